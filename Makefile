@@ -1,0 +1,32 @@
+# Two commands: `make demo` runs the main job, `make test` runs all the tests. Both set up first.
+VENV ?= .venv
+PYTHON ?= python3
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test lint bench setup clean
+
+demo: setup
+	$(BIN)/flybench demo
+
+test: setup
+	$(BIN)/python -m pytest
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# One core and fixed threads, so that runs compare; the figures are CPU time where it says so.
+bench: setup
+	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks \
+	    --benchmark-only --benchmark-disable-gc --benchmark-columns=min,median,iqr,rounds
+
+setup: $(READY)
+
+$(READY): pyproject.toml constraints.txt .ci/setup
+	PYTHON="$(PYTHON)" VENV="$(VENV)" .ci/setup
+	touch $@
+
+clean:
+	rm -rf $(VENV) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

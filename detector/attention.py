@@ -1,0 +1,188 @@
+"""Bottom-up attention: where the fly looks.
+
+All positions here are in cells, (x, y), with a cell's centre at its index. Every response is kept
+signed and per axis, so that the view centre moves along both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from detector.correlation import DOWN, LEFT, RIGHT, UP
+from detector.fly_config import FlyConfig
+
+F32 = npt.NDArray[np.float32]
+Pair = tuple[float, float]
+"""One value for each axis, x then y."""
+
+
+def saliency_map(on: F32, off: F32, *, radius: int) -> F32:
+    """H_on + H_off (inside equation 10), smoothed by a box of side 2·radius + 1 cells.
+
+    Returns:
+        (rows, columns) float32; outside the grid counts as 0.
+    """
+    smoothed: F32 = _box_mean(on + off, radius)
+    return smoothed
+
+
+def most_salient(saliency: F32) -> tuple[int, int]:
+    """Cell (x, y) of the maximum (paper, equation 10); the first in reading order among equals."""
+    y, x = divmod(int(np.argmax(saliency)), saliency.shape[1])
+    return x, y
+
+
+def prominence(saliency: F32) -> float:
+    """How far the most salient cell stands out from the mean of the map.
+
+    Noise that is everywhere raises both alike, however strong it is.
+    """
+    return float(saliency.max()) - float(saliency.mean(dtype=np.float64))
+
+
+def position_error(target: Pair, centre: Pair) -> Pair:
+    """Signed way from the view centre to the target on each axis (paper, equation 11) [cells].
+
+    The paper's two positions are read as target minus view centre, so that steering by the error
+    leads towards the target.
+    """
+    return target[0] - centre[0], target[1] - centre[1]
+
+
+def position_response(error: float, *, side: int, cap: float) -> float:
+    """Signed exponential response 𝒮 to a position error (paper, equation 12).
+
+    Args:
+        error: position error on this axis [cells].
+        side: K, the grid's side on this axis [cells].
+        cap: largest exponent; (4·E/K)² would reach 16 across the grid.
+    """
+    exponent = min((4.0 * error / side) ** 2, cap)
+    return math.copysign(math.expm1(exponent), error)
+
+
+def local_motion(maps: F32, centre: Pair, *, reach: int) -> Pair:
+    """Opponent motion ℳ around the view centre over the total (paper, equation 13).
+
+    Args:
+        maps: T4 + T5, (4, rows, columns) float32.
+        centre: view centre [cells].
+        reach: half side of the square that counts as local [cells].
+
+    Returns:
+        ℳ along x (rightward positive) and y (downward positive), each in [−1, 1]; 0 in silence.
+    """
+    x, y = round(centre[0]), round(centre[1])
+    near = maps[:, max(y - reach, 0) : y + reach + 1, max(x - reach, 0) : x + reach + 1]
+    sums = near.sum(axis=(1, 2), dtype=np.float64)
+    total = float(sums.sum())
+    if total == 0.0:
+        return 0.0, 0.0
+    return float(sums[RIGHT] - sums[LEFT]) / total, float(sums[DOWN] - sums[UP]) / total
+
+
+def steering_response(motion: float, position: float, *, g_m: float, g_p: float) -> float:
+    """Fuse motion and position response into Γ (paper, equation 14) [cells]."""
+    return g_m * motion + g_p * position
+
+
+def delayed_steering(steering: float, earlier: float, *, alpha: float) -> float:
+    """Low-pass Γ while it keeps its sign, else let it through (paper, equation 15).
+
+    Args:
+        steering: Γ(t).
+        earlier: Γ̂(t − Δt).
+        alpha: share of the new response, in (0, 1).
+    """
+    if steering * earlier >= 0.0:
+        return alpha * steering + (1.0 - alpha) * earlier
+    return steering
+
+
+def shift_towards(error: float, steering: float) -> float:
+    """Part of a steering response that leads towards the target and not beyond it [cells]."""
+    return min(max(steering, min(error, 0.0)), max(error, 0.0))
+
+
+class ViewCentre:
+    """Where the fly looks: pulled to the most salient cell by the steering response.
+
+    It starts at the image centre. When nothing stands out it lets go: it returns to the image
+    centre at once, forgets its steering, and attends to nothing until something stands out again.
+
+    Attributes:
+        position: (x, y) [cells].
+        is_attending: whether something is salient.
+    """
+
+    def __init__(self, config: FlyConfig, *, grid: tuple[int, int], home: Pair) -> None:
+        """Rest at the image centre.
+
+        Args:
+            config: gains, caps and delays of the steering.
+            grid: rows and columns of cells.
+            home: image centre [cells].
+        """
+        self._config, self._home = config, home
+        self._sides = grid[1], grid[0]
+        self.position = home
+        self.is_attending = False
+        lag = config.window_hops
+        self._steered: deque[Pair] = deque([(0.0, 0.0)] * lag, maxlen=lag)
+
+    def release(self) -> None:
+        """Let go: back to the image centre, steering forgotten."""
+        self.position = self._home
+        self.is_attending = False
+        self._steered.extend([(0.0, 0.0)] * len(self._steered))
+
+    def update(self, saliency: F32, maps: F32) -> None:
+        """Take one step towards the most salient cell.
+
+        Args:
+            saliency: (rows, columns) float32.
+            maps: T4 + T5, (4, rows, columns) float32.
+        """
+        if prominence(saliency) < self._config.saliency_floor:
+            self.release()
+            return
+        self.is_attending = True
+        errors = position_error(most_salient(saliency), self.position)
+        motion = local_motion(maps, self.position, reach=round(self._config.roi_reach_cells))
+        shift = self._shift(0, errors[0], motion[0]), self._shift(1, errors[1], motion[1])
+        self._steered.append(shift)
+        self.position = self.position[0] + shift[0], self.position[1] + shift[1]
+
+    def _shift(self, axis: int, error: float, motion: float) -> float:
+        """Way to go along one axis [cells]; what was gone one Δt ago stands for Γ̂(t − Δt)."""
+        c = self._config
+        position = position_response(error, side=self._sides[axis], cap=c.exponent_cap)
+        steering = steering_response(motion, position, g_m=c.g_m, g_p=c.g_p)
+        delayed = delayed_steering(steering, self._steered[0][axis], alpha=c.alpha)
+        return shift_towards(error, delayed)
+
+
+@njit(cache=True)
+def _box_mean(values: Any, radius: int) -> Any:
+    rows, columns = values.shape
+    table = np.zeros((rows + 1, columns + 1))
+    for y in range(rows):
+        along = 0.0
+        for x in range(columns):
+            along += values[y, x]
+            table[y + 1, x + 1] = table[y, x + 1] + along
+    mean = np.empty_like(values)
+    area = (2 * radius + 1) ** 2
+    for y in range(rows):
+        above, below = max(y - radius, 0), min(y + radius + 1, rows)
+        for x in range(columns):
+            left, right = max(x - radius, 0), min(x + radius + 1, columns)
+            strip = table[below, right] - table[above, right]
+            mean[y, x] = (strip - table[below, left] + table[above, left]) / area
+    return mean

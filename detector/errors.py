@@ -1,0 +1,20 @@
+"""What the detector refuses."""
+
+from __future__ import annotations
+
+from emulator.errors import EventError
+
+
+class DetectorError(ValueError):
+    """Base of all errors that the detector raises on bad input."""
+
+
+class DetectorConfigError(DetectorError):
+    """A detector parameter is outside its range."""
+
+
+class EventOrderError(DetectorError, EventError):
+    """Time went back between two calls.
+
+    It is an `EventError` too: one `except` clause catches every complaint about a stream.
+    """

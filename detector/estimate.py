@@ -1,0 +1,93 @@
+"""The one interface of every detector: events in, motion estimates out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from emulator.events import Events
+
+
+class Direction(StrEnum):
+    """One of the four cardinal directions of image motion, or none.
+
+    This is the one place that states the convention of angles: in the image frame (x right, y
+    down) an angle of 0° points right and +90° points down.
+    """
+
+    RIGHT = "right"
+    LEFT = "left"
+    UP = "up"
+    DOWN = "down"
+    NONE = "none"
+
+    @property
+    def angle_deg(self) -> float | None:
+        """Angle of the direction in (−180, 180] [deg]; None for `NONE`."""
+        return _ANGLES_DEG[self]
+
+
+_ANGLES_DEG: dict[Direction, float | None] = {
+    Direction.RIGHT: 0.0,
+    Direction.DOWN: 90.0,
+    Direction.LEFT: 180.0,
+    Direction.UP: -90.0,
+    Direction.NONE: None,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class MotionEstimate:
+    """What a detector says about one window of events.
+
+    Attributes:
+        t_us: end of the window, exclusive: no event at or after it was used [µs].
+        hs: horizontal system's response in (−1, 1); rightward is positive.
+        vs: vertical system's response in (−1, 1); downward is positive.
+        direction: the winner of the two, or none.
+        strength: the larger of |hs| and |vs|, in [0, 1), also where the direction is none.
+        response: the horizontal and vertical response before normalisation.
+        view_centre_px: (x, y) on which attention rests, continuous pixel coordinates in which
+            pixel i spans [i, i + 1) [px].
+        roi_px: (x0, y0, x1, y1), the box of the attended region, half-open [px]; None where
+            nothing is attended.
+    """
+
+    t_us: int
+    hs: float
+    vs: float
+    direction: Direction
+    strength: float
+    response: tuple[float, float]
+    view_centre_px: tuple[float, float]
+    roi_px: tuple[int, int, int, int] | None
+
+
+class Detector(Protocol):
+    """A detector of motion direction that reads a stream in chunks of any size.
+
+    Neither the cuts between chunks nor the calls of `advance` between them may change an estimate.
+    """
+
+    def push(self, events: Events) -> list[MotionEstimate]:
+        """Take the next events of the stream.
+
+        Args:
+            events: sorted by t, none older than what was passed or advanced to before.
+
+        Returns:
+            The estimates that became due: those whose window ends at or before the last event.
+        """
+        ...
+
+    def advance(self, t_us: int) -> list[MotionEstimate]:
+        """Learn that every event before `t_us` was passed.
+
+        Args:
+            t_us: time that the stream has reached, exclusive [µs].
+
+        Returns:
+            The estimates that became due: those whose window ends at or before `t_us`.
+        """
+        ...

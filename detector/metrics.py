@@ -1,0 +1,78 @@
+"""How well a detector did on one crossing, against the true direction.
+
+A crossing is a pair (enters, leaves) of times [µs]. An estimate belongs to it when its window ends
+after the vehicle entered and no later than it left: enters < t ≤ leaves.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+from detector.estimate import Direction, MotionEstimate
+
+Estimates = Sequence[MotionEstimate]
+
+
+def within(estimates: Estimates, crossing_us: tuple[int, int]) -> list[MotionEstimate]:
+    """The estimates that belong to a crossing."""
+    enters_us, leaves_us = crossing_us
+    return [e for e in estimates if enters_us < e.t_us <= leaves_us]
+
+
+def accuracy(
+    estimates: Estimates, truth: Direction, *, crossing_us: tuple[int, int]
+) -> float | None:
+    """Share of the steps whose direction is right, in [0, 1]; none counts as wrong.
+
+    Args:
+        estimates: of the whole sequence.
+        truth: true direction.
+        crossing_us: when the vehicle entered and left the view [µs].
+
+    Returns:
+        The share, or None where no estimate belongs to the crossing.
+    """
+    steps = within(estimates, crossing_us)
+    if not steps:
+        return None
+    return sum(e.direction is truth for e in steps) / len(steps)
+
+
+def verdict(estimates: Estimates, *, crossing_us: tuple[int, int]) -> Direction:
+    """The one direction of a crossing: the one with most strength, summed over the steps.
+
+    Returns:
+        A direction, or none where no step names one.
+    """
+    strengths: dict[Direction, float] = {}
+    for e in within(estimates, crossing_us):
+        if e.direction is not Direction.NONE:
+            strengths[e.direction] = strengths.get(e.direction, 0.0) + e.strength
+    return max(strengths, key=strengths.__getitem__, default=Direction.NONE)
+
+
+def grms(estimates: Estimates, *, crossing_us: tuple[int, int]) -> float | None:
+    """Gradient root mean square of the response before normalisation (paper, figure 5 B).
+
+    The gradient is the difference from step to step over the time between, as a vector of both
+    systems, so that it does not depend on the direction of motion.
+
+    Returns:
+        The figure in responses per second, or None with fewer than two steps.
+    """
+    steps = within(estimates, crossing_us)
+    squares = []
+    for before, after in itertools.pairwise(steps):
+        seconds = (after.t_us - before.t_us) * 1e-6
+        squares.append((math.dist(before.response, after.response) / seconds) ** 2)
+    return math.sqrt(math.fsum(squares) / len(squares)) if squares else None
+
+
+def onset_latency_us(
+    estimates: Estimates, truth: Direction, *, crossing_us: tuple[int, int]
+) -> int | None:
+    """Time from the vehicle's entry to the first right decision [µs]; None if there is none."""
+    right = [e.t_us for e in within(estimates, crossing_us) if e.direction is truth]
+    return right[0] - crossing_us[0] if right else None

@@ -1,0 +1,68 @@
+"""The check on every chunk of events before it changes anything."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from detector.errors import EventOrderError
+from emulator.errors import EventError
+from emulator.events import EVENT_DTYPE, Events, check_events
+
+_RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
+"""`EVENT_DTYPE` with the polarity's byte as a number."""
+
+
+def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None:
+    """Refuse a chunk that cannot go on with the stream.
+
+    One compiled pass finds whether anything is wrong; only then is it looked for, so that chunks
+    of a hundred events stay cheap.
+
+    Args:
+        events: candidate chunk.
+        width: sensor columns [px].
+        height: sensor rows [px].
+        now_us: time that the stream has reached [µs].
+
+    Raises:
+        EventError: no sorted stream of `EVENT_DTYPE` from this sensor.
+        EventOrderError: its first event is before `now_us`.
+    """
+    is_array = isinstance(events, np.ndarray) and events.dtype == EVENT_DTYPE and events.ndim == 1
+    if is_array and _is_sound(events.view(_RAW_DTYPE), width, height, now_us):
+        return
+    check_events(events, width=width, height=height)
+    check_order(int(events["t"][0]), now_us)
+    polarity = events.view(_RAW_DTYPE)["p"]
+    raise EventError(
+        f"an event has the polarity byte {polarity.max()}; allowed is 0 (OFF) or 1 (ON); "
+        "set p = raw > 0 when making the array"
+    )
+
+
+def check_order(t_us: int, now_us: int) -> None:
+    """Refuse a time before the one that the stream has reached.
+
+    Raises:
+        EventOrderError: `t_us` is before `now_us`.
+    """
+    if t_us < now_us:
+        raise EventOrderError(
+            f"time {t_us} µs comes after time {now_us} µs; time must not go back between calls; "
+            "pass the chunks in order, or make a new detector for a new stream"
+        )
+
+
+@njit(cache=True)
+def _is_sound(events: Any, width: int, height: int, now_us: int) -> bool:
+    before = now_us
+    for n in range(events.size):
+        event = events[n]
+        inside = 0 <= event.x < width and 0 <= event.y < height
+        if event.t < before or not inside or event.p > 1:
+            return False
+        before = event.t
+    return True

@@ -1,0 +1,43 @@
+"""How every kernel of this package is compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar, cast
+
+import numba
+
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
+
+
+def discard_stale_kernels(package: Path) -> None:
+    """Delete the cached kernels of a package that are older than any of its sources.
+
+    Numba notices an edit only in the file of the kernel that Python calls, not in the files of the
+    kernels that it was compiled with; it would go on running yesterday's physics.
+
+    Args:
+        package: folder of the sources, with Numba's indices in its `__pycache__`.
+    """
+    newest = max(source.stat().st_mtime_ns for source in package.glob("*.py"))
+    for index in (package / "__pycache__").glob("*.nbi"):
+        if index.stat().st_mtime_ns < newest:
+            index.unlink(missing_ok=True)
+
+
+def compiled(function: Kernel) -> Kernel:
+    """Compile a kernel once and cache it on disk.
+
+    No `fastmath`: it would let two machines round differently and so break "same seed, same
+    events". NumPy's error model makes x/0 an infinity, which the kernels use as "never".
+    """
+    return cast(Kernel, numba.njit(cache=True, error_model="numpy")(function))
+
+
+def inlined(function: Kernel) -> Kernel:
+    """Compile a kernel into its caller: for steps of a hot loop that pass many scalars."""
+    return cast(Kernel, numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
+
+
+discard_stale_kernels(Path(__file__).parent)

@@ -1,0 +1,74 @@
+"""What the frame part of a DAVIS346 is: every parameter, with its source or the word assumed.
+
+Sources: Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240, the same 18.5 µm pixel);
+APS figures of the DAVIS346 (10 bit, saturation, full well, exposure, 55 dB) are the maker's and
+users' published ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from emulator._ranges import check_ranges
+
+_RANGES = {
+    "electrons_per_lux_s": (1.0, 1e9, "give the electrons that one lux collects in a second"),
+    "full_well_e": (100.0, 1e7, "give the electrons at which a pixel saturates"),
+    "saturation_dn": (1, 1023, "the converter has 10 bits"),
+    "read_noise_e": (0.0, 1e5, "give electrons rms; noise=False switches it off"),
+    "exposure_us": (1, 10_000_000, "give whole microseconds, such as 7200"),
+    "exposure_min_us": (1, 10_000_000, "give whole microseconds, such as 10"),
+    "target_dn": (1.0, 1023.0, "give the mean level that auto-exposure aims at, such as 200"),
+    "period_min_us": (1, 10_000_000, "25000 is 40 frames a second"),
+    "readout_us": (0, 10_000_000, "give the time from the end of an exposure to the next start"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ApsConfig:
+    """Active pixel sensor: global shutter, 10 bits, automatic exposure.
+
+    Attributes:
+        electrons_per_lux_s: photoelectrons per lux on the chip and second. 1.1e16 photons/m² per
+            lux·s of daylight (assumed) × 18.5² µm² × fill factor 22 % (Brandli 2014) × quantum
+            efficiency 24 % (assumed).
+        full_well_e: electrons at saturation (published: up to 37 ke⁻).
+        saturation_dn: level at saturation (published: 680 DN), so 54 e⁻/DN.
+        read_noise_e: rms noise of a dark pixel [e⁻]: full well over the published 55 dB.
+        noise: whether photon shot noise and read noise are drawn.
+        auto_exposure: whether exposure follows the light; if not it stays at `exposure_us`.
+        exposure_us: exposure without auto-exposure [µs] (published default: 7.2 ms).
+        exposure_min_us: shortest automatic exposure [µs] (assumed).
+        exposure_max_us: longest automatic exposure [µs] (assumed: 4.9 frames a second at night,
+            where the paper saw fewer than 10).
+        target_dn: mean level that auto-exposure aims at [DN] (assumed: 30 % of saturation).
+        period_min_us: shortest time between starts of exposure [µs] (published: 40 frames/s).
+        readout_us: from the end of an exposure to the next start [µs] (assumed).
+
+    Raises:
+        SensorConfigError: a value is outside its range.
+    """
+
+    electrons_per_lux_s: float = 2.0e5
+    full_well_e: float = 37_000.0
+    saturation_dn: int = 680
+    read_noise_e: float = 66.0
+    noise: bool = True
+    auto_exposure: bool = True
+    exposure_us: int = 7_200
+    exposure_min_us: int = 10
+    exposure_max_us: int = 200_000
+    target_dn: float = 200.0
+    period_min_us: int = 25_000
+    readout_us: int = 4_000
+
+    def __post_init__(self) -> None:
+        check_ranges(self, _RANGES)
+        longest = (self.exposure_min_us, 10_000_000, "it may not be below exposure_min_us")
+        reachable = (1.0, 0.95 * self.saturation_dn, "it must lie below saturation_dn")
+        check_ranges(self, {"exposure_max_us": longest, "target_dn": reachable})
+
+    @property
+    def electrons_per_dn(self) -> float:
+        """Conversion [e⁻/DN]."""
+        return self.full_well_e / self.saturation_dn

@@ -1,0 +1,128 @@
+"""What a DAVIS346 is: every parameter of the event pixels, with its source or the word assumed.
+
+Sources: Lichtsteiner 2008 = Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008 (DVS128);
+Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240); Nozaki 2017 = Nozaki, Delbruck,
+IEEE TED 64(8), 2017 (leak); Joubert 2021 = Joubert et al., Front. Neurosci. 15, 2021 (background
+activity recorded from 50×50 pixels); v2e = Hu, Liu, Delbruck, CVPRW 2021.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from emulator._ranges import check_ranges
+from emulator.aps_config import ApsConfig
+
+_RANGES = {
+    "width": (1, 32767, "give whole pixels; events carry 16-bit coordinates"),
+    "height": (1, 32767, "give whole pixels; events carry 16-bit coordinates"),
+    "f_number": (0.5, 64.0, "give the lens aperture as focal length over diameter"),
+    "transmission": (0.01, 1.0, "give the share of the light that the lens lets through"),
+    "dark_lux": (
+        1e-6,
+        10.0,
+        "it must be positive, since it keeps the logarithm finite in the dark",
+    ),
+    "theta_on": (0.01, 10.0, "give a change of ln(light), such as 0.18"),
+    "theta_off": (0.01, 10.0, "give a change of ln(light) as a positive number, such as 0.22"),
+    "theta_mismatch": (0.0, 1.0, "give a standard deviation in ln(light), such as 0.035"),
+    "bandwidth_hz_per_lux": (1e-3, 1e15, "give the cutoff that one lux on the chip allows"),
+    "bandwidth_limit_hz": (1e-3, 1e9, "1e9 stands for no limit"),
+    "refractory_us": (0, 1_000_000, "give whole microseconds, such as 3"),
+    "leak_hz": (0.0, 1000.0, "0 switches the leak in the dark off"),
+    "leak_hz_per_lux": (0.0, 1.0, "0 switches the leak by light off"),
+    "shot_noise_scale": (0.0, 1000.0, "0 switches shot noise off, 1 is as published"),
+    "hot_fraction": (0.0, 1.0, "0 switches hot pixels off"),
+    "hot_hz_min": (0.0, 10_000.0, "give the rate of the slowest hot pixel"),
+    "hot_hz_max": (0.0, 10_000.0, "give the rate of the fastest hot pixel"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorConfig:
+    """A DAVIS346 behind a lens; the defaults are the real sensor with all its noise.
+
+    Attributes:
+        width: columns [px] (DAVIS346).
+        height: rows [px] (DAVIS346).
+        f_number: lens aperture, focal length over diameter (assumed: a fast lens, for the night).
+        transmission: share of light that passes the lens (assumed: coated glass).
+        dark_lux: photodiode dark current as the illuminance on the chip that gives as much
+            current [lux]. Order of Lichtsteiner 2008: usable down to 0.1 lux on the scene through
+            f/1.2, which is 0.1/(4·1.2²) = 0.017 lux of white on the chip.
+        theta_on: rise of ln(current) that makes an ON event (v2e, from the maker's biases).
+        theta_off: fall of ln(current) that makes an OFF event (v2e, from the maker's biases).
+        theta_mismatch: standard deviation of either threshold over pixels (Brandli 2014: 3.5 %).
+        bandwidth_hz_per_lux: photoreceptor cutoff per lux on the chip [Hz/lux]. Assumed, from
+            f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of v2e's
+            night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that is light
+            on an 18 % grey scene through f/1.2 (31 lux on the chip).
+        bandwidth_limit_hz: cutoff that the biases allow in bright light [Hz] (Lichtsteiner 2008).
+        refractory_us: time after an event during which a pixel is held in reset [µs] (maker's
+            default biases).
+        leak_hz: ON events of the junction leak per pixel in the dark [Hz] (Nozaki 2017, v2e).
+        leak_hz_per_lux: ON events that parasitic photocurrent adds per lux on the chip [Hz/lux].
+            Fitted to Joubert 2021: 0.104 Hz ON at 161 lux and 0.172 Hz at 3 klux are, within
+            1 %, 0.1 Hz + 2.4e-5 Hz/lux, as the leak of Nozaki 2017 grows with light.
+        shot_noise_scale: factor on the published shot noise rates (see `emulator.noise`).
+        hot_fraction: share of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
+        hot_hz_min: rate of the slowest hot pixel [Hz] (Joubert 2021).
+        hot_hz_max: rate of the fastest hot pixel [Hz] (Joubert 2021).
+        aps: the frame part of the sensor.
+
+    Raises:
+        SensorConfigError: a value is outside its range.
+    """
+
+    width: int = 346
+    height: int = 260
+    f_number: float = 1.4
+    transmission: float = 0.9
+    dark_lux: float = 0.01
+    theta_on: float = 0.18
+    theta_off: float = 0.22
+    theta_mismatch: float = 0.035
+    bandwidth_hz_per_lux: float = 100.0
+    bandwidth_limit_hz: float = 3000.0
+    refractory_us: int = 3
+    leak_hz: float = 0.1
+    leak_hz_per_lux: float = 2.4e-5
+    shot_noise_scale: float = 1.0
+    hot_fraction: float = 4e-4
+    hot_hz_min: float = 45.0
+    hot_hz_max: float = 56.0
+    aps: ApsConfig = field(default_factory=ApsConfig)
+
+    def __post_init__(self) -> None:
+        check_ranges(self, _RANGES)
+        check_ranges(
+            self, {"hot_hz_max": (self.hot_hz_min, 10_000.0, "it may not be below hot_hz_min")}
+        )
+
+    @classmethod
+    def noise_free(cls, *, width: int = 346, height: int = 260) -> Self:
+        """The same sensor without leak, shot noise, hot pixels or APS noise.
+
+        Thresholds with their mismatch, bandwidth and refractory period stay.
+        """
+        return cls(
+            width=width,
+            height=height,
+            leak_hz=0.0,
+            leak_hz_per_lux=0.0,
+            shot_noise_scale=0.0,
+            hot_fraction=0.0,
+            aps=ApsConfig(noise=False),
+        )
+
+    @classmethod
+    def ideal(cls, *, width: int = 346, height: int = 260) -> Self:
+        """The textbook pixel: no noise, no mismatch, no bandwidth limit, no refractory period."""
+        return replace(
+            cls.noise_free(width=width, height=height),
+            theta_mismatch=0.0,
+            bandwidth_hz_per_lux=1e15,
+            bandwidth_limit_hz=1e9,
+            refractory_us=0,
+        )

@@ -1,0 +1,53 @@
+"""One run, fully specified: scene, sensor, detector, seed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from detector.fly_config import FlyConfig
+from emulator import SensorConfig
+from scenarios.errors import ScenarioError
+from sim import CrossingConfig
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """Everything that determines a run's result.
+
+    Attributes:
+        crossing: the scene and its motion.
+        sensor: the camera.
+        fly: the detector.
+        seed: of everything random, 0 to 2³² − 1.
+    """
+
+    crossing: CrossingConfig = field(default_factory=CrossingConfig)
+    sensor: SensorConfig = field(default_factory=SensorConfig)
+    fly: FlyConfig = field(default_factory=FlyConfig)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < 2**32:
+            raise ScenarioError(
+                f"seed is {self.seed}; allowed is 0 to {2**32 - 1}; choose one, such as 0"
+            )
+
+    @property
+    def name(self) -> str:
+        """A folder name that tells what is in it."""
+        c = self.crossing
+        return f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}"
+
+    def parameters(self) -> dict[str, object]:
+        """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""
+        return dict(_flat(asdict(self)))
+
+
+def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value

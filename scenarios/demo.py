@@ -1,0 +1,40 @@
+"""`flybench demo`: the paper's second speed, once by day and once by night."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenarios.output import check_output
+from scenarios.report import print_runs
+from scenarios.run import LOGS, Run
+from scenarios.sequence import run_sequence
+from scenarios.terminal import progress_bar, script
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Run one day and one night sequence, vehicle moving right, and compare them in a table."""
+
+    out: Path = LOGS / "demo"
+    """Folder to write both to."""
+
+    def execute(self) -> int:
+        """Run both, and print the closing table."""
+        runs = [
+            (self.out / "day", Run(lighting="day").config()),
+            (self.out / "night", Run(lighting="night").config()),
+        ]
+        for folder, _ in runs:
+            check_output(folder)
+        with progress_bar() as progress:
+            summaries = [
+                (folder, run_sequence(config, folder, progress.track(config.name)))
+                for folder, config in runs
+            ]
+        print_runs(summaries)
+        return 0
+
+
+if __name__ == "__main__":
+    script(Demo)

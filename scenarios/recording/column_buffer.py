@@ -1,0 +1,106 @@
+"""Small things that change over time, kept until the end and written as one column an entity."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from scenarios.recording.entities import TIMELINE
+from sim.geometry import BodyPose
+
+Box = tuple[int, int, int, int]
+"""x0, y0, x1, y1, half-open [px]."""
+Point = tuple[float, float]
+
+
+def time_column(t_us: npt.ArrayLike) -> rr.TimeColumn:
+    """Times in µs as the recording's index."""
+    return rr.TimeColumn(TIMELINE, duration=np.asarray(t_us, np.int64).astype("timedelta64[us]"))
+
+
+class ColumnBuffer:
+    """Rows by entity; a row costs some hundred bytes, so hours fit in memory."""
+
+    def __init__(self) -> None:
+        self._times: defaultdict[str, list[int]] = defaultdict(list)
+        self._scalars: defaultdict[str, list[float]] = defaultdict(list)
+        self._boxes: defaultdict[str, list[Box | None]] = defaultdict(list)
+        self._points: defaultdict[str, list[Point | None]] = defaultdict(list)
+        self._states: defaultdict[str, list[str]] = defaultdict(list)
+        self._poses: defaultdict[str, list[BodyPose]] = defaultdict(list)
+
+    def scalar(self, path: str, t_us: int, value: float) -> None:
+        """Add a value to a curve."""
+        self._times[path].append(t_us)
+        self._scalars[path].append(value)
+
+    def curve(
+        self, path: str, t_us: npt.NDArray[np.int64], values: npt.NDArray[np.float64]
+    ) -> None:
+        """Add many values to a curve."""
+        self._times[path].extend(t_us.tolist())
+        self._scalars[path].extend(values.tolist())
+
+    def box(self, path: str, t_us: int, box: Box | None) -> None:
+        """Show a box from now on; None: none."""
+        self._times[path].append(t_us)
+        self._boxes[path].append(box)
+
+    def point(self, path: str, t_us: int, point: Point | None) -> None:
+        """Show a point from now on; None: none."""
+        self._times[path].append(t_us)
+        self._points[path].append(point)
+
+    def state(self, path: str, t_us: int, state: str) -> None:
+        """Enter a state; "" is none; what goes on without a change makes no row."""
+        states = self._states[path]
+        if not states or states[-1] != state:
+            self._times[path].append(t_us)
+            states.append(state)
+
+    def pose(self, path: str, t_us: int, pose: BodyPose) -> None:
+        """Put a body somewhere."""
+        self._times[path].append(t_us)
+        self._poses[path].append(pose)
+
+    def send(self, stream: rr.RecordingStream) -> None:
+        """Write everything."""
+        for path, values in self._scalars.items():
+            self._send(stream, path, rr.Scalars.columns(scalars=values))
+        for path, boxes in self._boxes.items():
+            self._send(stream, path, _box_columns(boxes))
+        for path, points in self._points.items():
+            found, lengths = _present(points)
+            positions = np.array(found, np.float32).reshape(-1, 2)
+            columns = rr.Points2D.columns(positions=positions).partition(lengths)
+            self._send(stream, path, columns)
+        for path, states in self._states.items():
+            self._send(stream, path, rr.StateChange.columns(state=states))
+        for path, poses in self._poses.items():
+            columns = rr.Transform3D.columns(
+                translation=[pose.position_m for pose in poses],
+                mat3x3=[pose.rotation for pose in poses],
+            )
+            self._send(stream, path, columns)
+
+    def _send(
+        self, stream: rr.RecordingStream, path: str, columns: Iterable[rr.ComponentColumn]
+    ) -> None:
+        stream.send_columns(path, [time_column(self._times[path])], columns, strict=True)
+
+
+def _box_columns(boxes: Sequence[Box | None]) -> rr.ComponentColumnList:
+    found, lengths = _present(boxes)
+    corners = np.array(found, np.float32).reshape(-1, 2, 2)
+    return rr.Boxes2D.columns(
+        centers=corners.mean(axis=1), half_sizes=(corners[:, 1] - corners[:, 0]) / 2
+    ).partition(lengths)
+
+
+def _present(rows: Sequence[tuple[float, ...] | None]) -> tuple[list[tuple[float, ...]], list[int]]:
+    """Those that are there, and how many each row has: 1 or 0."""
+    return [row for row in rows if row is not None], [row is not None for row in rows]

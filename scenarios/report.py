@@ -1,0 +1,84 @@
+"""The closing table of one or more runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+Summaries = Sequence[tuple[Path, dict[str, Any]]]
+
+
+def print_runs(runs: Summaries) -> None:
+    """Print what happened in each run, side by side, and how to open its recording."""
+    console = Console()
+    table = Table(title="flybench", title_justify="left")
+    table.add_column("")
+    for folder, _ in runs:
+        table.add_column(folder.name, justify="right")
+    rows = [_rows(summary) for _, summary in runs]
+    for name in rows[0]:
+        table.add_row(name, *(row[name] for row in rows))
+        if name in _SECTION_ENDS:
+            table.add_section()
+    console.print(table)
+    for folder, _ in runs:
+        console.print(
+            f"{folder / 'recording.rrd'}   open it with: flybench view {folder}", soft_wrap=True
+        )
+
+
+_SECTION_ENDS = ("image speed", "hot pixels", "GRMS")
+
+
+def _rows(summary: dict[str, Any]) -> dict[str, str]:
+    return _truth(summary["truth"]) | _events(summary) | _fly(summary) | _wall(summary["wall_s"])
+
+
+def _truth(truth: dict[str, Any]) -> dict[str, str]:
+    return {
+        "true direction": truth["direction"],
+        "true speed": f"{truth['omega_rad_s']:.2f} rad/s, {truth['speed_km_h']:.1f} km/h",
+        "image speed": f"{truth['image_speed_px_s']:.0f} px/s",
+    }
+
+
+def _events(summary: dict[str, Any]) -> dict[str, str]:
+    events, seconds = summary["events"], summary["truth"]["duration_us"] / 1e6
+    cause = events["by_cause"]
+    return {
+        "events": f"{events['count']:,} in {seconds:.2f} s",
+        "ON / OFF": f"{events['on']:,} / {events['off']:,}",
+        "from the scene": f"{cause['signal']:,}",
+        "leak": f"{cause['leak']:,}",
+        "shot noise": f"{cause['shot']:,}",
+        "hot pixels": f"{cause['hot']:,}",
+    }
+
+
+def _fly(summary: dict[str, Any]) -> dict[str, str]:
+    fly = summary["fly"]
+    latency, after = fly["latency_ms"], fly["accuracy_after_100ms"]
+    return {
+        "the fly's verdict": fly["direction"],
+        "right steps in view": f"{_percent(fly['accuracy'])} of {fly['steps_in_view']}",
+        "after 100 ms in view": _percent(after),
+        "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
+        "GRMS": _number(fly["grms"]),
+    }
+
+
+def _wall(wall_s: dict[str, float]) -> dict[str, str]:
+    rows = {f"time to {name}": f"{seconds:.1f} s" for name, seconds in wall_s.items()}
+    return rows | {"in all": f"{sum(wall_s.values()):.1f} s"}
+
+
+def _percent(share: float | None) -> str:
+    return "no step" if share is None else f"{100 * share:.0f} %"
+
+
+def _number(value: float | None) -> str:
+    return "no step" if value is None else f"{value:.3g}"

@@ -1,0 +1,100 @@
+"""`flybench run`: one sequence, by day or night, at a given speed and direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from emulator import SensorConfig
+from scenarios.config import RunConfig
+from scenarios.errors import ScenarioError
+from scenarios.output import check_output
+from scenarios.report import print_runs
+from scenarios.sequence import run_sequence
+from scenarios.terminal import progress_bar, script
+from sim import CrossingConfig, Direction, Lighting, Profile, omega_from_speed
+from sim.config import DISTANCE_M
+
+LOGS = Path("logs")
+PAPER_OMEGA_RAD_S = {Lighting.DAY: 1.61, Lighting.NIGHT: 1.42}
+"""40 km/h, the second of the paper's four speeds."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Run one sequence: render it, turn it into events, read its direction, record everything."""
+
+    lighting: Literal["day", "night"] = "day"
+    """Sun and sky, or street lamps and headlights."""
+    omega: Annotated[float | None, tyro.conf.arg(metavar="RAD_S")] = None
+    """Angular velocity at closest approach [rad/s]; the paper's 40 km/h where not given."""
+    speed_km_h: Annotated[float | None, tyro.conf.arg(metavar="KM_H")] = None
+    """Speed of the vehicle [km/h], instead of --omega."""
+    direction: Literal["right", "left", "up", "down"] = "right"
+    """Where the vehicle goes in the image."""
+    profile: Literal["constant_speed", "constant_omega"] = "constant_speed"
+    """What is held constant: the speed on the road, or the angular velocity."""
+    distance_m: float | None = None
+    """From the camera to the vehicle's flank [m]; the paper's 6.89 by day, 7.79 by night."""
+    illuminance_lux: float | None = None
+    """On the road [lux]; 30 000 by day, 10 by night."""
+    seed: int = 0
+    """Of everything random."""
+    noise: bool = True
+    """Whether the sensor has leak, shot noise, hot pixels and noisy frames."""
+    step_px: float = 0.5
+    """The farthest that anything may move in the image between two samples [px]."""
+    supersample: int = 2
+    """Rendered pixels per sensor pixel along each axis."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder to write; a name under logs/ that tells the parameters where not given."""
+
+    def config(self) -> RunConfig:
+        """The run that the arguments ask for.
+
+        Raises:
+            SceneConfigError: a value is outside its range.
+            ScenarioError: both a speed and an angular velocity are given, or the seed is out of
+                range.
+        """
+        lighting = Lighting(self.lighting)
+        crossing = CrossingConfig(
+            lighting=lighting,
+            direction=Direction(self.direction),
+            profile=Profile(self.profile),
+            distance_m=self.distance_m,
+            illuminance_lux=self.illuminance_lux,
+            step_px=self.step_px,
+            supersample=self.supersample,
+        )
+        sensor = SensorConfig() if self.noise else SensorConfig.noise_free()
+        return RunConfig(
+            replace(crossing, omega_rad_s=self._omega(lighting)), sensor, seed=self.seed
+        )
+
+    def execute(self) -> int:
+        """Run, and print the closing table."""
+        config = self.config()
+        folder = self.out or LOGS / config.name
+        check_output(folder)
+        with progress_bar() as progress:
+            summary = run_sequence(config, folder, progress.track(config.name))
+        print_runs([(folder, summary)])
+        return 0
+
+    def _omega(self, lighting: Lighting) -> float:
+        if self.speed_km_h is None:
+            return PAPER_OMEGA_RAD_S[lighting] if self.omega is None else self.omega
+        if self.omega is not None:
+            raise ScenarioError(
+                f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}; allowed is one of "
+                "them; leave the other out"
+            )
+        return omega_from_speed(self.speed_km_h, self.distance_m or DISTANCE_M[lighting])
+
+
+if __name__ == "__main__":
+    script(Run)

@@ -1,0 +1,106 @@
+"""One sequence from light to decision, written to one folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from detector.estimate import MotionEstimate
+from detector.fly import FlyDetector
+from scenarios.config import RunConfig
+from scenarios.eventfile import DsecWriter
+from scenarios.output import SUMMARY, whole_folder
+from scenarios.pipeline import Step, Stopwatch, make_crossing, run_steps
+from scenarios.recording.recorder import Recorder
+from scenarios.summary import EventTally, summarise
+from scenarios.tables import ESTIMATE_COLUMNS, TRUTH_COLUMNS, estimate_row, truth_row, write_table
+from sim import Crossing, Preview
+
+PREVIEW_PERIOD_US = 33_333
+TRUTH_PERIOD_US = 10_000
+"""How often the recording shows the colour picture and the truth; the tables have every step."""
+
+Progress = Callable[[int, int], None]
+"""Called with the time reached and the whole duration [µs]."""
+
+
+def run_sequence(
+    config: RunConfig, folder: Path, progress: Progress = lambda _done, _all: None
+) -> Any:
+    """Run one sequence and write its folder: recording, events, tables and summary.
+
+    Args:
+        config: the run.
+        folder: where to; one of an earlier run is replaced once the new one is whole.
+        progress: told after every sample.
+
+    Returns:
+        What `summary.json` holds.
+
+    Raises:
+        OutputError: the folder is somebody else's, or cannot be made.
+        RendererError: this machine cannot render.
+    """
+    crossing = make_crossing(config)
+    with whole_folder(folder) as work:
+        summary = _run_into(work, config, crossing, progress)
+        text = json.dumps(summary, indent=2)
+        (work / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    return summary
+
+
+def _run_into(work: Path, config: RunConfig, crossing: Crossing, progress: Progress) -> Any:
+    watch, tally, fly = Stopwatch(), EventTally(), FlyDetector(config.fly)
+    estimates: list[MotionEstimate] = []
+    truth_rows = []
+    size = {"width": config.sensor.width, "height": config.sensor.height}
+    with ExitStack() as stack:
+        logger = stack.enter_context(_Logger(work / "recording.rrd", config, crossing))
+        events = stack.enter_context(DsecWriter(work / "events.h5", **size))
+        for step in run_steps(config, crossing, fly, watch):
+            with watch.stage("record"):
+                events.write(step.output.events)
+                logger.log(step, fly)
+            tally.add(step.output)
+            estimates += step.estimates
+            truth_rows.append(truth_row(step.sample.truth))
+            progress(step.sample.t_us, crossing.duration_us)
+    write_table(work / "truth.csv", TRUTH_COLUMNS, truth_rows)
+    write_table(work / "estimates.csv", ESTIMATE_COLUMNS, map(estimate_row, estimates))
+    return summarise(config, crossing, tally, estimates, watch.wall_s)
+
+
+class _Logger:
+    """Feeds the Rerun recording: events always, pictures and truth at their own pace."""
+
+    def __init__(self, path: Path, config: RunConfig, crossing: Crossing) -> None:
+        self._crossing = crossing
+        self._stack = ExitStack()
+        self._preview = self._stack.enter_context(Preview(crossing))
+        self._recorder = self._stack.enter_context(
+            Recorder(path, crossing=crossing, parameters=config.parameters())
+        )
+        self._preview_due_us = self._truth_due_us = 0
+
+    def __enter__(self) -> _Logger:
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
+
+    def log(self, step: Step, fly: FlyDetector) -> None:
+        t_us, recorder = step.sample.t_us, self._recorder
+        recorder.log_events(step.output.events, step.output.causes)
+        for frame in step.output.aps_frames:
+            recorder.log_aps(frame)
+        for estimate in step.estimates:
+            recorder.log_estimate(estimate, fly.maps)
+        if t_us >= self._truth_due_us:
+            recorder.log_truth(step.sample.truth)
+            self._truth_due_us = t_us + TRUTH_PERIOD_US
+        if t_us >= self._preview_due_us:
+            recorder.log_preview(t_us, self._preview.draw(t_us))
+            self._preview_due_us = t_us + PREVIEW_PERIOD_US

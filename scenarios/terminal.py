@@ -1,0 +1,76 @@
+"""What the commands show in a terminal while they work, and how they end."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from detector.errors import DetectorError
+from emulator import EmulatorError
+from scenarios.errors import ScenarioError
+from sim import SimError
+
+REFUSALS = (SimError, EmulatorError, DetectorError, ScenarioError)
+"""What ends a command with a sentence instead of a traceback."""
+
+
+class Command(Protocol):
+    """A sub-command: a dataclass of its arguments."""
+
+    def execute(self) -> int:
+        """Do it; returns the process's exit status."""
+        ...
+
+
+class Bar:
+    """Progress of several sequences, a line each."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+
+    def track(self, name: str) -> Callable[[int, int], None]:
+        """Add a line; the function returned takes the time reached and the whole [µs]."""
+        task = self._progress.add_task(name, total=None)
+
+        def advance(done_us: int, total_us: int) -> None:
+            self._progress.update(task, completed=done_us, total=total_us)
+
+        return advance
+
+
+@contextmanager
+def progress_bar() -> Iterator[Bar]:
+    """Show progress bars on standard error while the block runs."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        yield Bar(progress)
+
+
+def script(command: Any) -> None:
+    """Run a command class from the command line, and end the process with its status."""
+    sys.exit(execute(tyro.cli(command)))
+
+
+def execute(command: Command) -> int:
+    """Run a command; a refusal becomes one sentence on standard error, and status 2."""
+    try:
+        return command.execute()
+    except REFUSALS as refusal:
+        print(f"flybench: {refusal}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("flybench: interrupted; nothing was left half written", file=sys.stderr)
+        return 130

@@ -1,0 +1,90 @@
+"""`flybench velocity-sweep`: several angular velocities, truth against what the fly said.
+
+The seed of a study: it renders, emulates and detects, prints one row a velocity, and writes
+nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from rich.console import Console
+from rich.table import Table
+
+from detector.fly import FlyDetector
+from scenarios.config import RunConfig
+from scenarios.pipeline import Stopwatch, make_crossing, run_steps
+from scenarios.summary import judge
+from scenarios.terminal import Bar, progress_bar, script
+from sim import CrossingConfig, Direction, Lighting
+
+PAPER_OMEGAS_RAD_S = {
+    Lighting.DAY: (1.21, 1.61, 2.01, 2.42),
+    Lighting.NIGHT: (1.07, 1.42, 1.78, 2.14),
+}
+"""The paper, Section III."""
+
+
+@dataclass(frozen=True)
+class VelocitySweep:
+    """Run a list of angular velocities and print truth against estimate."""
+
+    lighting: Literal["day", "night"] = "day"
+    """Sun and sky, or street lamps and headlights."""
+    omegas: tuple[float, ...] = ()
+    """Angular velocities [rad/s]; the paper's four where not given."""
+    direction: Literal["right", "left", "up", "down"] = "right"
+    """Where the vehicle goes in the image."""
+    seed: int = 0
+    """Of everything random."""
+    step_px: float = 0.5
+    """The farthest that anything may move in the image between two samples [px]."""
+
+    def execute(self) -> int:
+        """Run the list, and print the table."""
+        configs = list(self._configs())
+        table = Table("true ω", "image speed", "direction", "verdict", "right", "first", "GRMS")
+        with progress_bar() as progress:
+            for config in configs:
+                table.add_row(*sweep_row(config, progress))
+        Console().print(table)
+        return 0
+
+    def _configs(self) -> Iterator[RunConfig]:
+        lighting = Lighting(self.lighting)
+        for omega in self.omegas or PAPER_OMEGAS_RAD_S[lighting]:
+            crossing = CrossingConfig(
+                lighting=lighting,
+                omega_rad_s=omega,
+                direction=Direction(self.direction),
+                step_px=self.step_px,
+            )
+            yield RunConfig(crossing, seed=self.seed)
+
+
+def sweep_row(config: RunConfig, progress: Bar) -> tuple[str, ...]:
+    """Run one sequence without recording it; its row of the table."""
+    crossing, fly = make_crossing(config), FlyDetector(config.fly)
+    advance = progress.track(config.name)
+    estimates = []
+    for step in run_steps(config, crossing, fly, Stopwatch()):
+        estimates += step.estimates
+        advance(step.sample.t_us, crossing.duration_us)
+    found: dict[str, Any] = judge(crossing, estimates)
+    speed = crossing.intrinsics.focal_px * config.crossing.omega_rad_s
+    latency = found["latency_ms"]
+    return (
+        f"{config.crossing.omega_rad_s:.2f} rad/s",
+        f"{speed:.0f} px/s",
+        config.crossing.direction.value,
+        found["direction"],
+        f"{100 * (found['accuracy'] or 0):.0f} %",
+        "never" if latency is None else f"{latency:.0f} ms",
+        f"{found['grms'] or 0:.3g}",
+    )
+
+
+if __name__ == "__main__":
+    script(VelocitySweep)

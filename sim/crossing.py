@@ -1,0 +1,185 @@
+"""A crossing, sample by sample: what light reaches the camera, and what is true."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Intrinsics
+from sim.config import CrossingConfig, Direction
+from sim.influence import influence_window
+from sim.renderer import FilamentRenderer, Luminance, Window, luminance_model
+from sim.sampling import sample_times_us
+from sim.scene import BODY_BOX_M, RIM_RADIUS_M, WHEEL_RADIUS_M, Scene, build_scene
+from sim.trajectory import Trajectory
+from sim.truth import GroundTruth, ground_truth
+
+OUT_OF_SIGHT_M = 6.0
+"""How far beyond the view the vehicle stands, its lamps shining away, while the empty street is
+drawn; not farther, since the shadow map is fitted to all that casts a shadow."""
+RIM_SPEED = 1 + RIM_RADIUS_M / WHEEL_RADIUS_M
+"""A rolling wheel's spokes outrun the vehicle at the top by this factor."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What the camera sees at one instant.
+
+    Attributes:
+        t_us: time since the start of the sequence [µs].
+        luminance: (height, width) float32 [cd/m²]; the mean over each pixel.
+        truth: the target's.
+    """
+
+    t_us: int
+    luminance: Luminance
+    truth: GroundTruth
+
+
+class Crossing:
+    """One vehicle's crossing: its scene, its motion, and how it is sampled."""
+
+    def __init__(self, config: CrossingConfig, intrinsics: Intrinsics | None = None) -> None:
+        """Compose the scene and plan the motion; nothing is drawn yet.
+
+        Args:
+            config: what to show.
+            intrinsics: the lens and sensor; None: a DAVIS346 behind 6 mm.
+
+        Raises:
+            SceneConfigError: the lead time asks for more than the profile can give.
+        """
+        self.config = config
+        self.intrinsics = intrinsics or Intrinsics()
+        self.scene: Scene = build_scene(config)
+        self.trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
+        half_view_m = config.distance * math.tan(self._half_view_rad())
+        self._reach_m = half_view_m + float(BODY_BOX_M[1, 0])
+        self._start_s = self.trajectory.time_at_s(-self._reach_m) - config.lead_s
+        self._end_s = self.trajectory.time_at_s(self._reach_m) + config.lead_s
+        self.trajectory.position_m(self._start_s)
+
+    @property
+    def duration_us(self) -> int:
+        """Length of the sequence [µs]."""
+        return round((self._end_s - self._start_s) * 1e6)
+
+    @property
+    def view_us(self) -> tuple[int, int]:
+        """When the vehicle's near flank enters the image, and when it has left it [µs]."""
+        lead_us = round(self.config.lead_s * 1e6)
+        return lead_us, self.duration_us - lead_us
+
+    def seconds(self, t_us: int) -> float:
+        """Time since closest approach [s] of a time since the start [µs]."""
+        return self._start_s + t_us * 1e-6
+
+    def position_m(self, t_us: int) -> float:
+        """Where the vehicle is on its way [m]."""
+        return self.trajectory.position_m(self.seconds(t_us))
+
+    def times_us(self) -> list[int]:
+        """When the samples are [µs]."""
+        return list(
+            sample_times_us(
+                0,
+                self.duration_us,
+                self._fastest_px_s,
+                step_px=self.config.step_px,
+                max_step_us=round(self.config.max_step_ms * 1e3),
+            )
+        )
+
+    def samples(self) -> Iterator[Sample]:
+        """Render the sequence.
+
+        Yields:
+            Samples in order of time; each owns its arrays.
+
+        Raises:
+            RendererError: this machine cannot render.
+        """
+        model = luminance_model(self.scene.model)
+        with FilamentRenderer(model, self.intrinsics) as renderer:
+            data = mujoco.MjData(model)
+            empty = self._empty_street(renderer, data)
+            for t_us in self.times_us():
+                window = influence_window(self.scene, self.position_m(t_us), self.intrinsics)
+                yield self._sample(renderer, data, t_us, empty, window)
+
+    @contextmanager
+    def full_frames(self) -> Iterator[Callable[[int], Luminance]]:
+        """Give a function that draws the whole image at a time [µs], nothing taken over.
+
+        What `samples` is held against, and what a frame costs. Unlike them it draws the street
+        anew too, whose shadows' edges the renderer moves by a fraction of a pixel with the vehicle.
+
+        Raises:
+            RendererError: this machine cannot render.
+        """
+        model = luminance_model(self.scene.model)
+        with FilamentRenderer(model, self.intrinsics) as renderer:
+            data = mujoco.MjData(model)
+
+            def draw(t_us: int) -> Luminance:
+                return self._whole(renderer, data, self.position_m(t_us))
+
+            yield draw
+
+    def _sample(
+        self,
+        renderer: FilamentRenderer,
+        data: mujoco.MjData,
+        t_us: int,
+        empty: Luminance,
+        window: Window | None,
+    ) -> Sample:
+        luminance = empty.copy()
+        mask = np.zeros(empty.shape, np.bool_)
+        if window is not None:
+            x0, y0, x1, y1 = window
+            self.scene.place(data, self.position_m(t_us))
+            renderer.update(data)
+            pose, fine = self.scene.pose, self.config.supersample
+            luminance[y0:y1, x0:x1] = renderer.luminance(pose, window, supersample=fine)
+            mask[y0:y1, x0:x1] = self._mask(renderer, window)
+        truth = ground_truth(
+            self.scene,
+            self.trajectory,
+            self.intrinsics,
+            t_us=t_us,
+            t_s=self.seconds(t_us),
+            mask=mask,
+        )
+        return Sample(t_us, luminance, truth)
+
+    def _mask(self, renderer: FilamentRenderer, window: Window) -> npt.NDArray[np.bool_]:
+        return np.isin(renderer.segmentation(self.scene.pose, window), self.scene.vehicle_geoms)
+
+    def _empty_street(self, renderer: FilamentRenderer, data: mujoco.MjData) -> Luminance:
+        return self._whole(renderer, data, self._reach_m + OUT_OF_SIGHT_M)
+
+    def _whole(
+        self, renderer: FilamentRenderer, data: mujoco.MjData, position_m: float
+    ) -> Luminance:
+        self.scene.place(data, position_m)
+        renderer.update(data)
+        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        return renderer.luminance(self.scene.pose, whole, supersample=self.config.supersample)
+
+    def _fastest_px_s(self, t_us: int) -> float:
+        """Image speed of the fastest point, on the near flank's wheels; 0 where nothing is seen."""
+        if influence_window(self.scene, self.position_m(t_us), self.intrinsics) is None:
+            return 0.0
+        speed = self.trajectory.speed_m_s(self.seconds(t_us)) / self.trajectory.distance_m
+        return RIM_SPEED * self.intrinsics.focal_px * speed
+
+    def _half_view_rad(self) -> float:
+        level = self.config.direction in (Direction.RIGHT, Direction.LEFT)
+        return self.intrinsics.half_width_rad if level else self.intrinsics.half_height_rad

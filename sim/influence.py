@@ -1,0 +1,62 @@
+"""Which part of the image a vehicle can change: itself, its shadows, and what its lamps light.
+
+Everything else is exactly as without it, so only this window need be drawn again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Intrinsics, project
+from sim.renderer import Window
+from sim.scene import Scene
+
+MARGIN_PX = 3
+"""Of the lens's blur and the shadow map's filter."""
+BEAM_REACH_M = 30.0
+"""Farther ahead, dipped beams add less than the sky's light to what is in view."""
+BEAM_HEIGHT_M = 0.75
+"""Dipped beams light nothing above their lamps."""
+BEAM_HALF_WIDTH_M = 4.5
+"""Across the road, the cone at the far end of what is in view."""
+
+Points = npt.NDArray[np.float64]
+
+
+def influence_window(scene: Scene, position_m: float, intrinsics: Intrinsics) -> Window | None:
+    """The window that a vehicle at `position_m` can change; None where it can change nothing."""
+    body = scene.body_corners_m(position_m)
+    points = [body, *(_shadow(body, caster) for caster in scene.casters_m)]
+    if scene.has_beams:
+        points.append(_beam(scene, position_m))
+    return _bounds(np.concatenate(points), scene, intrinsics)
+
+
+def _shadow(points_m: Points, caster: Points) -> Points:
+    """Shadows on the ground of points below a light, given in homogeneous coordinates."""
+    place, weight = caster[:3], caster[3]
+    towards = place - weight * points_m
+    height = points_m[:, 2:3]
+    return np.asarray(points_m - towards * height / towards[:, 2:3])
+
+
+def _beam(scene: Scene, position_m: float) -> Points:
+    """Corners of a box ahead of the vehicle's tail that holds all that its beams light."""
+    tail = scene.body_corners_m(position_m)[:, 0] * scene.heading
+    ahead = np.array([tail.min(), tail.max() + BEAM_REACH_M]) * scene.heading
+    across = [-BEAM_HALF_WIDTH_M, BEAM_HALF_WIDTH_M]
+    box = np.meshgrid(ahead, across, [0.0, BEAM_HEIGHT_M])
+    return np.array(box).reshape(3, -1).T
+
+
+def _bounds(points_m: Points, scene: Scene, intrinsics: Intrinsics) -> Window | None:
+    pixels, depth = project(points_m, scene.pose, intrinsics)
+    if (depth <= 0).any():
+        return 0, 0, intrinsics.width, intrinsics.height
+    size = np.array([intrinsics.width, intrinsics.height])
+    low = np.clip(np.floor(pixels.min(axis=0)) - MARGIN_PX, 0, size).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=0)) + MARGIN_PX, 0, size).astype(int)
+    if (low >= high).any():
+        return None
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])

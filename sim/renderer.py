@@ -1,0 +1,250 @@
+"""The photometric camera: MuJoCo's Filament renderer read in cd/m².
+
+Filament writes linear float32 of luminance × exposure in the red channel, so `luminance_model`
+first turns every colour into its luminance. Where only part of the image can have changed, a
+window of it is drawn through the whole image's frustum, so that nothing else moves.
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Any
+
+import cv2
+import mujoco
+import mujoco.studio.window  # registers Filament's material assets
+import numpy as np
+import numpy.typing as npt
+from mujoco import mjrf
+
+from sim.camera import Intrinsics, Pose
+from sim.light import relative_luminance
+from sim.vulkan import require_vulkan
+
+EXPOSURE = 2.604e-5
+"""Filament's default exposure (f/16, 1/125 s, ISO 100): what it multiplies a luminance by."""
+LENS_BLUR_PX = 0.35
+"""Deviation of the lens's point spread [sensor px] (assumed; a third of a pixel)."""
+NO_SHADOW_GROUP = 2
+"""Geoms of this group cast no shadow: the shadow pass costs by the piece."""
+NEAR_M, FAR_M = 0.05, 120.0
+_BLUR_MARGIN_PX = 2
+
+Window = tuple[int, int, int, int]
+"""x0, y0, x1, y1 [px], half-open."""
+Luminance = npt.NDArray[np.float32]
+
+
+class FilamentRenderer:
+    """Draws one model from any pose; use as a context manager."""
+
+    def __init__(self, model: mujoco.MjModel, intrinsics: Intrinsics) -> None:
+        """Set up the renderer.
+
+        Args:
+            model: with photometric lights; see `luminance_model`.
+            intrinsics: the lens and sensor.
+
+        Raises:
+            RendererError: no Vulkan device.
+        """
+        software = require_vulkan()
+        self.intrinsics = intrinsics
+        with _silence():
+            self._context = mjrf.Context(_context_config(software))
+        self._context.set_clear_color([0.0, 0.0, 0.0])
+        self._scene = self._context.create_scene(mjrf.SceneParams())
+        self._scene.configure_from_model(model)
+        self._resources = mjrf.ModelResources(self._context, model)
+        self._lights = mjrf.ModelLights(self._scene, self._resources)
+        self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
+        self._renderables.update(mujoco.MjData(model))  # makes them
+        self._shadowless = [
+            self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, int(geom), -1)
+            for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
+        ]
+        self._targets: dict[Any, Any] = {}
+
+    def __enter__(self) -> FilamentRenderer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the device's memory; the renderer is of no use afterwards."""
+        with _silence():
+            for name in (
+                "_targets",
+                "_shadowless",
+                "_renderables",
+                "_lights",
+                "_resources",
+                "_scene",
+                "_context",
+            ):
+                setattr(self, name, None)
+
+    def update(self, data: mujoco.MjData) -> None:
+        """Take over the poses of `data`, whose kinematics must be up to date."""
+        self._lights.update(data)
+        self._renderables.update(data)
+        for renderable in self._shadowless:  # the update forgets it
+            renderable.set_cast_shadow(False)
+
+    def luminance(self, pose: Pose, window: Window, *, supersample: int = 2) -> Luminance:
+        """Anti-aliased luminance of a window of the image.
+
+        Each value is the mean over the pixel's whole area, behind the lens's blur.
+
+        Args:
+            pose: the camera's.
+            window: which pixels.
+            supersample: rendered pixels per sensor pixel along each axis.
+
+        Returns:
+            (y1 - y0, x1 - x0) float32 [cd/m²].
+        """
+        outer = self._grown(window)
+        fine = self._draw(pose, outer, supersample, mjrf.PixelFormat.PIXEL_FORMAT_R32F)
+        sigma = LENS_BLUR_PX * supersample
+        fine = cv2.GaussianBlur(fine, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+        size = (outer[2] - outer[0], outer[3] - outer[1])
+        pixels = cv2.resize(fine, size, interpolation=cv2.INTER_AREA) if supersample > 1 else fine
+        x, y = window[0] - outer[0], window[1] - outer[1]
+        inner = pixels[y : y + window[3] - window[1], x : x + window[2] - window[0]]
+        return np.asarray(inner / np.float32(EXPOSURE), np.float32)
+
+    def segmentation(self, pose: Pose, window: Window) -> npt.NDArray[np.int32]:
+        """Which geom each pixel's middle shows.
+
+        Returns:
+            (y1 - y0, x1 - x0) int32 of geom numbers, -1 for none.
+        """
+        rgb = self._draw(
+            pose,
+            window,
+            1,
+            mjrf.PixelFormat.PIXEL_FORMAT_RGB8,
+            draw_mode=mjrf.DrawMode.DRAW_MODE_SEGMENTATION_BY_ID,
+        ).astype(np.int32)
+        return rgb[..., 0] + 256 * rgb[..., 1] + 65536 * rgb[..., 2] - 1
+
+    def preview(self, pose: Pose, *, scale: int = 2) -> npt.NDArray[np.uint8]:
+        """A tone-mapped picture for the eye: (height·scale, width·scale, 3) uint8 sRGB."""
+        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
+        return self._draw(pose, whole, scale, rgb, post_processing=True)
+
+    def _grown(self, window: Window) -> Window:
+        m, i = _BLUR_MARGIN_PX, self.intrinsics
+        x0, y0, x1, y1 = window
+        return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
+
+    def _draw(
+        self, pose: Pose, window: Window, scale: int, pixel_format: Any, **options: Any
+    ) -> npt.NDArray[Any]:
+        height, width = (window[3] - window[1]) * scale, (window[2] - window[0]) * scale
+        colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
+        image = np.empty((height, width, 3) if colour else (height, width), _DTYPE[colour])
+        target = self._target(pixel_format, bool(options.get("post_processing")))
+        target.resize(width, height)
+        read = mjrf.ReadRequest(target=target)
+        read.set_buffer(image)
+        request = self._request(pose, window, scale, target, **options)
+        self._context.wait_for_frame(self._context.render([request], [read]))
+        return image
+
+    def _target(self, pixel_format: Any, post_processing: bool) -> Any:
+        key = (pixel_format, post_processing)
+        if key not in self._targets:
+            config = mjrf.RenderTargetConfig(color_format=pixel_format)
+            self._targets[key] = self._context.create_render_target(config)
+        return self._targets[key]
+
+    def _request(self, pose: Pose, window: Window, scale: int, target: Any, **options: Any) -> Any:
+        request = mjrf.RenderRequest()
+        request.scene, request.target = self._scene, target
+        request.camera = _frustum(pose, self.intrinsics)
+        request.viewport.left = -window[0] * scale
+        request.viewport.bottom = (window[3] - self.intrinsics.height) * scale
+        request.viewport.width = self.intrinsics.width * scale
+        request.viewport.height = self.intrinsics.height * scale
+        request.post_processing = False
+        request.haze = request.reflections = request.headlight = False
+        for name, value in options.items():
+            setattr(request, name, value)
+        return request
+
+
+_DTYPE = {True: np.uint8, False: np.float32}
+
+
+def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
+    """A copy of `model` in which every colour is the grey of the same luminance.
+
+    Material and geom colours are taken as linear reflectances, as textures are.
+    """
+    grey = copy.copy(model)
+    for rgba in (grey.mat_rgba, grey.geom_rgba):
+        rgba[:, :3] = np.array([relative_luminance(row) for row in rgba])[:, None]
+    for k in range(grey.ntex):
+        if grey.tex_nchannel[k] == 3:
+            texels = _texels(grey, k)
+            texels[:] = np.rint(texels @ [0.2126, 0.7152, 0.0722]).astype(np.uint8)[:, None]
+    return grey
+
+
+def _texels(model: mujoco.MjModel, texture: int) -> npt.NDArray[np.uint8]:
+    """(n, 3) view on a texture's pixels."""
+    start = int(model.tex_adr[texture])
+    count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * 3
+    texels: npt.NDArray[np.uint8] = model.tex_data[start : start + count].reshape(-1, 3)
+    return texels
+
+
+def _context_config(software: bool) -> Any:
+    vulkan = mjrf.GraphicsApi.GRAPHICS_API_VULKAN
+    default = mjrf.GraphicsApi.GRAPHICS_API_DEFAULT
+    api = vulkan if os.uname().sysname == "Linux" else default
+    return mjrf.ContextConfig(graphics_api=api, software_rendering=software)
+
+
+def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
+    half_width = NEAR_M * intrinsics.width / 2 / intrinsics.focal_px
+    half_height = NEAR_M * intrinsics.height / 2 / intrinsics.focal_px
+    return mjrf.Camera(
+        pos=pose.position_m.astype(np.float32),
+        forward=pose.forward.astype(np.float32),
+        up=pose.up.astype(np.float32),
+        frustum_bottom=-half_height,
+        frustum_top=half_height,
+        frustum_near=NEAR_M,
+        frustum_far=FAR_M,
+        frustum_width=half_width,
+    )
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep Filament's chatter, which C++ writes to both streams, off the terminal."""
+    saved = os.dup(1), os.dup(2)
+    with tempfile.TemporaryFile() as sink:
+        os.dup2(sink.fileno(), 1)
+        os.dup2(sink.fileno(), 2)
+        try:
+            yield
+        finally:
+            for stream, copy_ in zip((1, 2), saved, strict=True):
+                os.dup2(copy_, stream)
+                os.close(copy_)

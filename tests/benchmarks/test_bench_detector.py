@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from detector.fly import FlyDetector
+from emulator.events import EVENT_DTYPE, Events
+
+EVENTS = 2_000_000
+
+
+def moving_clusters() -> Events:
+    """2 M events in 1 s: a textured block of 120×60 px that moves at 500 px/s, and noise."""
+    rng = np.random.default_rng(0)
+    events = np.zeros(EVENTS, EVENT_DTYPE)
+    events["t"] = np.sort(rng.integers(0, 1_000_000, EVENTS))
+    left = (events["t"] * 500e-6).astype(np.int64)
+    events["x"] = (left + rng.integers(0, 120, EVENTS)) % 346
+    events["y"] = 100 + rng.integers(0, 60, EVENTS)
+    noisy = rng.random(EVENTS) < 0.2
+    events["x"][noisy] = rng.integers(0, 346, noisy.sum())
+    events["y"][noisy] = rng.integers(0, 260, noisy.sum())
+    events["p"] = rng.random(EVENTS) < 0.5
+    return events
+
+
+@pytest.mark.parametrize("chunk", [100, 10_000, 1_000_000])
+def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
+    """Events a second through `push`, with the estimate of every hop."""
+    events = moving_clusters()
+    FlyDetector().push(events[:20_000])
+
+    def run() -> None:
+        fly = FlyDetector()
+        for start in range(0, EVENTS, chunk):
+            fly.push(events[start : start + chunk])
+
+    benchmark.extra_info["events"] = EVENTS
+    benchmark(run)
+
+
+def test_estimate(benchmark: BenchmarkFixture) -> None:
+    """Dense stages of one estimate: averages, T4/T5, attention, tangential cells."""
+    events = moving_clusters()
+    first = events[events["t"] < 200_000]
+
+    def half_way() -> tuple[tuple[FlyDetector], dict[str, int]]:
+        fly = FlyDetector()
+        fly.push(first)
+        return (fly,), {"t_us": 200_000}
+
+    assert len(FlyDetector.advance(*half_way()[0], t_us=200_000)) == 1
+    benchmark.pedantic(FlyDetector.advance, setup=half_way, rounds=50)  # type: ignore[no-untyped-call]

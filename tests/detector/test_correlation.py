@@ -1,0 +1,53 @@
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from detector.correlation import DOWN, LEFT, RIGHT, UP, t4, t5
+
+Surface = npt.NDArray[np.float32]
+
+
+def surface(seed: int) -> Surface:
+    return np.random.default_rng(seed).random((24, 30)).astype(np.float32)
+
+
+def test_rightward_is_equation_9() -> None:
+    now, delayed = surface(0), surface(1)
+    expected = np.zeros((24, 30))
+    for i in (4, 8, 12, 16):
+        expected[:, : 30 - i] += delayed[:, : 30 - i] * now[:, i:]
+    maps = t4(now, delayed, spacing=4, count=4)
+    np.testing.assert_allclose(maps[RIGHT], expected, rtol=1e-5)
+
+
+def test_off_pathway_has_the_same_correlation() -> None:
+    now, delayed = surface(0), surface(1)
+    args = {"spacing": 2, "count": 3}
+    np.testing.assert_array_equal(t4(now, delayed, **args), t5(now, delayed, **args))
+
+
+def test_the_vertical_axis_is_the_horizontal_one_turned() -> None:
+    now, delayed = surface(2), surface(3)
+    upright = t4(now, delayed, spacing=3, count=2)
+    lying = t4(np.ascontiguousarray(now.T), np.ascontiguousarray(delayed.T), spacing=3, count=2)
+    np.testing.assert_array_equal(upright[DOWN], lying[RIGHT].T)
+    np.testing.assert_array_equal(upright[UP], lying[LEFT].T)
+
+
+def test_what_flickers_in_place_cancels_in_every_pair() -> None:
+    now = surface(4)
+    flicker = t4(now, now * np.float32(0.5), spacing=4, count=4)
+    np.testing.assert_allclose(flicker[RIGHT], flicker[LEFT], rtol=1e-5)
+    np.testing.assert_allclose(flicker[DOWN], flicker[UP], rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("shift", "winner"),
+    [((0, 6), RIGHT), ((0, -6), LEFT), ((6, 0), DOWN), ((-6, 0), UP)],
+)
+def test_a_shifted_block_excites_its_direction_most(shift: tuple[int, int], winner: int) -> None:
+    delayed = np.zeros((40, 40), np.float32)
+    delayed[15:25, 15:25] = 1.0
+    now = np.roll(delayed, shift, (0, 1))
+    sums = t4(now, delayed, spacing=4, count=4).sum(axis=(1, 2))
+    assert int(np.argmax(sums)) == winner

@@ -1,0 +1,264 @@
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from detector.errors import DetectorConfigError
+from detector.estimate import Direction, MotionEstimate
+from detector.fly import FlyConfig, FlyDetector
+from detector.metrics import accuracy, onset_latency_us, verdict
+from emulator.errors import EventError
+from emulator.events import EVENT_DTYPE, Events, empty_events
+from tests.detector.stimuli import (
+    asphalt,
+    car,
+    crossing,
+    hot_pixels,
+    merged,
+    noise,
+    plain_box,
+    slide,
+    textured_box,
+)
+
+MOVING = [d for d in Direction if d is not Direction.NONE]
+SPAN_PX = {"right": 346, "left": 346, "up": 260, "down": 260}
+
+
+def estimates_of(events: Events, end_us: int) -> list[MotionEstimate]:
+    fly = FlyDetector()
+    return fly.push(events) + fly.advance(end_us)
+
+
+def at(t_us: int, x: int = 100, y: int = 100) -> Events:
+    return np.array([(t_us, x, y, True)], EVENT_DTYPE)
+
+
+@cache
+def busy_stream() -> Events:
+    events, view_us = crossing(textured_box(60, 40), speed_px_s=700, direction=Direction.DOWN)
+    return merged(events, noise(2.0, duration_us=view_us))
+
+
+@pytest.mark.parametrize("direction", MOVING)
+@pytest.mark.parametrize("speed_px_s", [350, 518, 790])
+@pytest.mark.parametrize("noise_hz", [0.0, 10.0])
+def test_direction_of_a_car_is_right_from_100_ms_until_it_leaves(
+    direction: Direction, speed_px_s: float, noise_hz: float
+) -> None:
+    events, view_us = crossing(car(), speed_px_s=speed_px_s, direction=direction)
+    background = merged(
+        noise(noise_hz, duration_us=view_us), hot_pixels(20, 50, duration_us=view_us)
+    )
+    found = estimates_of(merged(events, background), view_us)
+    leaves_us = view_us - int(30 / speed_px_s * 1e6)
+    assert accuracy(found, direction, crossing_us=(99_999, leaves_us)) == 1.0
+    assert verdict(found, crossing_us=(0, view_us)) is direction
+
+
+@pytest.mark.parametrize("direction", MOVING)
+@pytest.mark.parametrize("contrast", [0.5, 1.0])
+def test_a_long_car_fills_the_view_without_confusing_it(
+    direction: Direction, contrast: float
+) -> None:
+    pattern = car(300, 90, contrast=contrast)
+    events, view_us = crossing(pattern, speed_px_s=450, direction=direction)
+    found = estimates_of(merged(events, noise(3.0, duration_us=view_us)), view_us)
+    leaves_us = view_us - int(30 / 450 * 1e6)
+    assert accuracy(found, direction, crossing_us=(99_999, leaves_us)) == 1.0
+
+
+@pytest.mark.parametrize("direction", MOVING)
+def test_a_shape_without_texture_still_tells_its_direction(direction: Direction) -> None:
+    events, view_us = crossing(plain_box(), speed_px_s=518, direction=direction, flat=True)
+    found = estimates_of(merged(events, noise(5.0, duration_us=view_us)), view_us)
+    share = accuracy(found, direction, crossing_us=(99_999, view_us))
+    assert share is not None
+    assert share > 0.98
+    latency_us = onset_latency_us(found, direction, crossing_us=(0, view_us))
+    assert latency_us is not None
+    assert latency_us <= 100_000
+
+
+@pytest.mark.parametrize("rate_hz", [0.1, 1.0, 5.0, 10.0, 20.0])
+def test_noise_alone_is_none(rate_hz: float) -> None:
+    background = merged(
+        noise(rate_hz, duration_us=1_000_000), hot_pixels(20, 50, duration_us=10**6)
+    )
+    found = estimates_of(background, 1_000_000)
+    assert len(found) == 100
+    assert sum(e.direction is Direction.NONE for e in found) >= 99
+
+
+def test_the_view_centre_follows_a_small_target_among_noise_and_lets_go() -> None:
+    target = textured_box(24, 24)
+    moving = slide(
+        target,
+        speed_px_s=500,
+        start_px=40,
+        top_px=50,
+        duration_us=400_000,
+        background=asphalt(260, 346),
+    )
+    fly = FlyDetector()
+    found = fly.push(merged(moving, noise(5.0, duration_us=800_000)))
+    for e in found[20:40]:
+        middle_px = 40 + 12 + 500e-6 * e.t_us
+        assert abs(e.view_centre_px[0] - middle_px) < 50
+        assert abs(e.view_centre_px[1] - 62) < 25
+        assert e.direction is Direction.RIGHT
+    assert found[-1].view_centre_px == (173.0, 130.0)
+    assert found[-1].roi_px is None
+
+
+def test_the_region_lies_on_the_car() -> None:
+    events, view_us = crossing(car(), speed_px_s=518, direction=Direction.RIGHT)
+    for e in estimates_of(events, view_us)[20:60]:
+        assert e.roi_px is not None
+        x0, y0, x1, y1 = e.roi_px
+        front_px = 518e-6 * e.t_us
+        assert front_px - 200 - 50 < (x0 + x1) / 2 < front_px
+        assert 97 - 10 < (y0 + y1) / 2 < 163 + 10
+        assert x1 - x0 <= 102
+        assert y1 - y0 <= 102
+
+
+cuts = st.lists(st.integers(0, 10**6), max_size=12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(cuts=cuts, tell_time=st.booleans())
+def test_the_cuts_between_chunks_change_no_bit(cuts: list[int], tell_time: bool) -> None:
+    events = busy_stream()
+    end_us = int(events["t"][-1]) + 200_000
+    whole = FlyDetector()
+    expected = whole.push(events) + whole.advance(end_us)
+    fly, found, start = FlyDetector(), list[MotionEstimate](), 0
+    for cut in [*sorted(c % events.size for c in cuts), events.size]:
+        found += fly.push(events[start:cut])
+        if tell_time and cut < events.size:
+            found += fly.advance(int(events["t"][cut]))
+        start = cut
+    found += fly.advance(end_us)
+    assert found == expected
+    np.testing.assert_array_equal(fly.maps.motion, whole.maps.motion)
+
+
+@settings(max_examples=5, deadline=None)
+@given(start=st.integers(0, 20_000), size=st.integers(50, 400))
+def test_event_by_event_is_as_good_as_at_once(start: int, size: int) -> None:
+    events = busy_stream()[start : start + size]
+    fly = FlyDetector()
+    found = [e for n in range(size) for e in fly.push(events[n : n + 1])]
+    assert found == FlyDetector().push(events)
+
+
+def test_an_estimate_comes_with_the_first_event_at_or_after_its_end() -> None:
+    fly = FlyDetector()
+    assert fly.push(at(9_999)) == []
+    assert [e.t_us for e in fly.push(at(10_000))] == [10_000]
+    assert [e.t_us for e in fly.push(at(35_000))] == [20_000, 30_000]
+
+
+def test_advance_gives_every_due_estimate_once() -> None:
+    fly = FlyDetector()
+    assert [e.t_us for e in fly.advance(30_000)] == [10_000, 20_000, 30_000]
+    assert fly.advance(30_000) == []
+    assert fly.advance(39_999) == []
+
+
+def test_an_empty_stream_and_a_single_event_are_none() -> None:
+    fly = FlyDetector()
+    assert fly.push(empty_events()) == []
+    fly.push(at(5_000))
+    found = fly.advance(200_000)
+    assert len(found) == 20
+    for e in found:
+        assert e.direction is Direction.NONE
+        assert (e.hs, e.vs, e.strength, e.roi_px) == (0.0, 0.0, 0.0, None)
+        assert e.view_centre_px == (173.0, 130.0)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        np.array([(30_000, 1, 1, 1), (20_000, 1, 1, 1)], EVENT_DTYPE),
+        at(30_000, x=346),
+        at(30_000, y=-1),
+        at(11_000),
+        np.zeros(4),
+    ],
+)
+def test_a_refused_chunk_changes_nothing(bad: Events) -> None:
+    fly, other = FlyDetector(), FlyDetector()
+    for detector in (fly, other):
+        detector.push(at(12_000))
+    with pytest.raises(EventError):
+        fly.push(bad)
+    assert fly.push(busy_stream()[5_000:]) == other.push(busy_stream()[5_000:])
+
+
+def test_time_cannot_be_moved_back() -> None:
+    fly = FlyDetector()
+    fly.advance(50_000)
+    with pytest.raises(EventError, match="time 40000 µs comes after time 50000 µs"):
+        fly.advance(40_000)
+    with pytest.raises(EventError):
+        fly.push(at(49_999))
+    assert fly.push(at(50_000)) == []
+
+
+@pytest.mark.parametrize("tell_time", [False, True])
+def test_a_gap_of_hours_costs_no_more_than_the_quiet_limit(tell_time: bool) -> None:
+    fly = FlyDetector(FlyConfig(quiet_limit_us=1_000_000))
+    hours_us = 5 * 3600 * 10**6
+    fly.push(at(5_000))
+    found = fly.advance(hours_us // 2) if tell_time else []
+    found += fly.push(at(hours_us + 12_345))
+    assert [found[0].t_us, found[-1].t_us] == [10_000, 1_000_000]
+    assert len(found) == 100
+    assert [e.t_us for e in fly.advance(hours_us + 30_000)] == [
+        hours_us + 20_000,
+        hours_us + 30_000,
+    ]
+
+
+def test_after_a_gap_the_fly_sees_as_if_it_were_new() -> None:
+    config = FlyConfig(quiet_limit_us=1_000_000)
+    later = busy_stream().copy()
+    later["t"] += 3600 * 10**6
+    fly = FlyDetector(config)
+    fly.push(busy_stream())
+    after = [e for e in fly.push(later) if e.t_us >= 3600 * 10**6]
+    fresh = FlyDetector(config).push(later)
+    assert [e.direction for e in after] == [e.direction for e in fresh]
+    np.testing.assert_allclose([e.hs for e in after], [e.hs for e in fresh], rtol=1e-6)
+
+
+def test_a_stream_that_begins_late_starts_with_its_first_event() -> None:
+    unix_us = 1_700_000_000_000_000
+    fly = FlyDetector()
+    assert fly.push(at(unix_us)) == []
+    assert [e.t_us for e in fly.advance(unix_us + 20_000)] == [unix_us + 10_000, unix_us + 20_000]
+
+
+def test_maps_belong_to_the_last_estimate_and_do_not_change_later() -> None:
+    events = busy_stream()
+    half = events.size // 2
+    fly = FlyDetector()
+    fly.push(events[:half])
+    maps = fly.maps
+    kept = maps.motion.copy()
+    fly.push(events[half:])
+    np.testing.assert_array_equal(maps.motion, kept)
+    assert maps.on.shape == maps.off.shape == maps.saliency.shape == (87, 116)
+    assert maps.motion.shape == (4, 87, 116)
+    assert maps.attended.dtype == np.bool_
+    assert maps.motion[:, maps.attended].sum() > 0.0
+
+
+def test_a_sensor_smaller_than_a_correlation_distance_is_refused() -> None:
+    with pytest.raises(DetectorConfigError, match="sensor is 346×14 px; allowed is 15 to 32767"):
+        FlyDetector(height=14)

@@ -1,0 +1,77 @@
+import math
+
+import pytest
+
+from detector.estimate import Direction, MotionEstimate
+from detector.metrics import accuracy, grms, onset_latency_us, verdict, within
+
+CROSSING = (10_000, 50_000)
+
+
+def estimate(
+    t_us: int,
+    direction: Direction,
+    *,
+    strength: float = 0.5,
+    response: tuple[float, float] = (0.0, 0.0),
+) -> MotionEstimate:
+    return MotionEstimate(
+        t_us=t_us,
+        hs=0.0,
+        vs=0.0,
+        direction=direction,
+        strength=strength,
+        response=response,
+        view_centre_px=(0.0, 0.0),
+        roi_px=None,
+    )
+
+
+STEPS = [
+    estimate(10_000, Direction.LEFT),
+    estimate(20_000, Direction.NONE),
+    estimate(30_000, Direction.RIGHT, strength=0.9),
+    estimate(40_000, Direction.UP, strength=0.3),
+    estimate(50_000, Direction.UP, strength=0.4),
+    estimate(60_000, Direction.LEFT),
+]
+
+
+def test_a_crossing_is_open_at_its_start_and_closed_at_its_end() -> None:
+    assert [e.t_us for e in within(STEPS, CROSSING)] == [20_000, 30_000, 40_000, 50_000]
+
+
+def test_accuracy_counts_none_as_wrong() -> None:
+    assert accuracy(STEPS, Direction.UP, crossing_us=CROSSING) == 0.5
+    assert accuracy(STEPS, Direction.RIGHT, crossing_us=CROSSING) == 0.25
+
+
+def test_accuracy_of_no_step_is_none() -> None:
+    assert accuracy(STEPS, Direction.UP, crossing_us=(70_000, 80_000)) is None
+
+
+def test_the_verdict_weighs_strength() -> None:
+    assert verdict(STEPS, crossing_us=CROSSING) is Direction.RIGHT
+
+
+def test_the_verdict_on_silence_is_none() -> None:
+    assert verdict(STEPS[1:2], crossing_us=CROSSING) is Direction.NONE
+
+
+def test_latency_is_measured_from_entry() -> None:
+    assert onset_latency_us(STEPS, Direction.UP, crossing_us=CROSSING) == 30_000
+    assert onset_latency_us(STEPS, Direction.DOWN, crossing_us=CROSSING) is None
+
+
+def test_grms_is_the_rms_slope_of_both_systems() -> None:
+    steps = [
+        estimate(20_000, Direction.RIGHT, response=(0.0, 0.0)),
+        estimate(30_000, Direction.RIGHT, response=(3.0, 4.0)),
+        estimate(50_000, Direction.RIGHT, response=(3.0, 4.0)),
+    ]
+    expected = math.sqrt((500.0**2 + 0.0) / 2)
+    assert grms(steps, crossing_us=CROSSING) == pytest.approx(expected)
+
+
+def test_grms_needs_two_steps() -> None:
+    assert grms(STEPS[:2], crossing_us=CROSSING) is None

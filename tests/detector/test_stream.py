@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from detector.errors import DetectorError, EventOrderError
+from detector.stream import check_chunk, check_order
+from emulator.errors import EventError
+from emulator.events import EVENT_DTYPE, Events, empty_events
+
+
+def make(*rows: tuple[int, int, int, int]) -> Events:
+    return np.array(list(rows), EVENT_DTYPE)
+
+
+def check(events: Events, *, now_us: int = 0) -> None:
+    check_chunk(events, width=346, height=260, now_us=now_us)
+
+
+def test_accepts_the_corners_and_equal_times() -> None:
+    check(make((5, 0, 0, 0), (5, 345, 259, 1)), now_us=5)
+    check(empty_events(), now_us=5)
+
+
+@pytest.mark.parametrize(
+    ("events", "sentence"),
+    [
+        (make((5, 0, 0, 0), (4, 0, 0, 0)), "event 1 has t = 4 µs after t = 5 µs"),
+        (make((5, 346, 0, 0)), "x = 346; allowed is 0 to 345"),
+        (make((5, 0, -1, 0)), "y = -1; allowed is 0 to 259"),
+        (np.zeros(3), "dtype float64"),
+        (np.zeros((2, 2), EVENT_DTYPE), "2 dimensions"),
+    ],
+)
+def test_refuses_what_is_no_stream(events: Events, sentence: str) -> None:
+    with pytest.raises(EventError, match=sentence):
+        check(events)
+
+
+def test_refuses_a_polarity_that_is_neither() -> None:
+    events = make((5, 0, 0, 1))
+    events.view([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])["p"] = 7
+    with pytest.raises(EventError, match="polarity byte 7; allowed is 0"):
+        check(events)
+
+
+def test_time_that_goes_back_between_calls_is_an_error_of_both_packages() -> None:
+    with pytest.raises(EventOrderError, match="time 4 µs comes after time 5 µs") as caught:
+        check(make((4, 0, 0, 0)), now_us=5)
+    assert isinstance(caught.value, DetectorError)
+    assert isinstance(caught.value, EventError)
+
+
+def test_the_present_is_in_order() -> None:
+    check_order(5, 5)
+    with pytest.raises(EventOrderError):
+        check_order(4, 5)

@@ -1,0 +1,56 @@
+from dataclasses import FrozenInstanceError
+from typing import Any
+
+import pytest
+
+from emulator import ApsConfig, SensorConfig, SensorConfigError
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("width", 0),
+        ("width", 3.5),
+        ("height", 40_000),
+        ("theta_on", 0.0),
+        ("theta_off", -0.2),
+        ("theta_on", float("nan")),
+        ("theta_mismatch", -0.1),
+        ("dark_lux", 0.0),
+        ("f_number", 0.0),
+        ("transmission", 1.1),
+        ("refractory_us", -1),
+        ("refractory_us", 2.5),
+        ("leak_hz", -0.1),
+        ("hot_fraction", 1.5),
+        ("hot_hz_max", 10.0),
+        ("shot_noise_scale", "much"),
+        ("bandwidth_limit_hz", True),
+    ],
+)
+def test_a_wrong_value_is_named_in_the_refusal(name: str, value: Any) -> None:
+    with pytest.raises(SensorConfigError, match=f"{name} is {value!r}; allowed is a .*number from"):
+        SensorConfig(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("exposure_us", 0), ("exposure_max_us", 5), ("target_dn", 700.0), ("saturation_dn", 1024)],
+)
+def test_a_wrong_aps_value_is_named_in_the_refusal(name: str, value: Any) -> None:
+    with pytest.raises(SensorConfigError, match=f"{name} is {value!r}"):
+        ApsConfig(**{name: value})
+
+
+def test_noise_free_keeps_what_is_not_noise() -> None:
+    clean, real = SensorConfig.noise_free(), SensorConfig()
+    assert (clean.theta_on, clean.theta_mismatch) == (real.theta_on, real.theta_mismatch)
+    assert clean.bandwidth_limit_hz == real.bandwidth_limit_hz
+    assert (clean.leak_hz, clean.leak_hz_per_lux, clean.shot_noise_scale) == (0.0, 0.0, 0.0)
+    assert clean.hot_fraction == 0.0
+    assert not clean.aps.noise
+
+
+def test_a_configuration_cannot_be_changed() -> None:
+    with pytest.raises(FrozenInstanceError):
+        SensorConfig().width = 10  # type: ignore[misc]

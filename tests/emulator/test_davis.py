@@ -1,0 +1,215 @@
+import hashlib
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emulator import Cause, Davis346, SensorConfig, check_events
+from emulator.events import EVENT_DTYPE
+from tests.emulator.scenes import (
+    HEIGHT,
+    WIDTH,
+    flat,
+    gaps_us,
+    log_ramp,
+    luminance_for,
+    moving_texture,
+    noisy,
+    quiet,
+    run,
+)
+
+
+@pytest.mark.parametrize("level", [0.0, 0.01, 0.3, 10.0, 500.0, 20_000.0])
+def test_a_static_scene_without_noise_gives_no_event(level: float) -> None:
+    config = SensorConfig.noise_free(width=WIDTH, height=HEIGHT)
+    scene = level * np.random.default_rng(1).uniform(0.0, 2.0, (HEIGHT, WIDTH)).astype(np.float32)
+    samples = [(0, scene)] + [(t, scene) for t in (100, 1100, 21_100, 10**6, 10**8, 10**9)]
+    assert run(Davis346(config, seed=1), samples)[0].size == 0
+
+
+def test_same_seed_same_output_and_another_seed_another() -> None:
+    first, second, other = (
+        run(Davis346(noisy(), seed=seed), moving_texture(60)) for seed in (7, 7, 8)
+    )
+    assert first[0].tobytes() == second[0].tobytes()
+    assert first[1].tobytes() == second[1].tobytes()
+    assert first[0].size > 500
+    assert first[0].tobytes() != other[0].tobytes()
+
+
+def test_another_process_gives_the_same_events() -> None:
+    script = (
+        "import hashlib; from tests.emulator.scenes import *;"
+        "events, causes = run(Davis346(noisy(), seed=7), moving_texture(60, level=0.5));"
+        "print(hashlib.sha256(events.tobytes() + causes.tobytes()).hexdigest())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    events, causes = run(Davis346(noisy(), seed=7), moving_texture(60, level=0.5))
+    here = hashlib.sha256(events.tobytes() + causes.tobytes()).hexdigest()
+    assert done.stdout.strip() == here
+    assert events.size > 100
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.integers(1, 29), max_size=5))
+def test_however_the_stream_is_cut(cuts: list[int]) -> None:
+    samples = list(moving_texture(30))
+    whole, _ = run(Davis346(noisy(), seed=2), samples)
+    sensor = Davis346(noisy(), seed=2)
+    bounds = [0, *sorted(cuts), len(samples)]
+    parts = [o.events for a, b in pairwise(bounds) for o in sensor.stream(samples[a:b])]
+    assert np.concatenate(parts).tobytes() == whole.tobytes()
+
+
+def test_a_stream_that_starts_after_ten_hours_is_as_exact() -> None:
+    shift = 36_000_000_000
+    early, _ = run(Davis346(noisy(), seed=2), moving_texture(30))
+    late, _ = run(Davis346(noisy(), seed=2), ((t + shift, f) for t, f in moving_texture(30)))
+    assert np.array_equal(late["t"] - shift, early["t"])
+    assert np.array_equal(late["x"], early["x"])
+    assert late["t"].dtype == np.int64
+
+
+def test_events_are_sorted_final_and_within_their_step() -> None:
+    sensor, last = Davis346(noisy(), seed=3), -1
+    for t_us, frame in moving_texture(40, step_us=700):
+        output = sensor.step(t_us, frame)
+        events = output.events
+        assert events.dtype == EVENT_DTYPE
+        assert output.causes.dtype == np.uint8
+        assert output.causes.shape == events.shape
+        check_events(events, width=WIDTH, height=HEIGHT)
+        assert np.all((events["t"] > last) & (events["t"] <= t_us))
+        pixel = events["y"].astype(int) * WIDTH + events["x"]
+        assert np.all(np.diff(events["t"] * 10_000 + pixel) > 0)
+        last = t_us
+
+
+@pytest.mark.parametrize(("rate", "theta", "on"), [(40.0, 0.18, True), (-40.0, 0.22, False)])
+def test_crossings_of_a_log_ramp_are_those_of_the_closed_form(
+    rate: float, theta: float, on: bool
+) -> None:
+    config = SensorConfig.ideal(width=2, height=2)
+    samples = log_ramp(config, start=300.0, rate_per_s=rate, times_us=range(0, 100_001, 1000))
+    events, causes = run(Davis346(config, seed=1), samples)
+    mine = events[(events["x"] == 1) & (events["y"] == 1)]
+    period_us = theta / abs(rate) * 1e6
+    expected = period_us * np.arange(1, math.floor(100_000 / period_us) + 1)
+    assert np.abs(mine["t"] - expected).max() <= 2
+    assert np.all(mine["p"] == on)
+    assert np.all(causes == Cause.SIGNAL)
+
+
+def test_a_low_pass_delays_a_ramp_by_its_time_constant() -> None:
+    config = quiet(refractory_us=0)
+    samples = log_ramp(config, start=300.0, rate_per_s=40.0, times_us=range(0, 100_001, 1000))
+    events, _ = run(Davis346(config, seed=1), samples)
+    mine = events["t"][(events["x"] == 1) & (events["y"] == 1)]
+    tau_us = 1e6 / (2 * math.pi * config.bandwidth_limit_hz)
+    expected = 0.18 / 40.0 * 1e6 * np.arange(1, mine.size + 1) + tau_us
+    assert mine.size >= 21
+    assert np.abs(mine - expected).max() <= 2
+
+
+@pytest.mark.parametrize("start_lux", [0.5, 300.0])
+def test_a_ramp_gives_the_same_events_at_any_step(start_lux: float) -> None:
+    """In dim light too, where the cutoff moves with the ramp."""
+    config = quiet()
+
+    def times(step_us: int) -> np.ndarray:
+        samples = log_ramp(
+            config, start=start_lux, rate_per_s=30.0, times_us=range(0, 80_001, step_us)
+        )
+        events, _ = run(Davis346(config, seed=1), samples)
+        assert events["p"].all()
+        return np.asarray(events["t"][(events["x"] == 1) & (events["y"] == 1)])
+
+    fine, coarse, uneven = times(500), times(1000), times(100)
+    assert fine.size == coarse.size == uneven.size >= 8
+    assert np.abs(fine - coarse).max() <= 2
+    assert np.abs(fine - uneven).max() <= 2
+
+
+@pytest.mark.parametrize("step_us", [200, 5000])
+def test_a_step_of_light_is_followed_by_an_exponential(step_us: int) -> None:
+    """Threshold k is crossed when 1 − exp(−t/τ) reaches k·θ over the step's height."""
+    config = quiet(refractory_us=0, dark_lux=1e-6)
+    height, lux = 1.0, 1.0
+    low, high = (flat(luminance_for(e, config), config) for e in (lux / math.e, lux))
+    samples = [(0, low), (1, high), *((1 + t, high) for t in range(step_us, 20_001, step_us))]
+    events, _ = run(Davis346(config, seed=1), samples)
+    mine = events["t"][(events["x"] == 0) & (events["y"] == 0)]
+    tau_us = 1e6 / (2 * math.pi * config.bandwidth_hz_per_lux * lux)
+    shares = config.theta_on * np.arange(1, 6) / height
+    assert mine.size == 5
+    assert np.abs(mine - (1 - tau_us * np.log(1 - shares))).max() <= 2
+
+
+def test_refractory_period_is_kept_and_what_changes_meanwhile_is_lost() -> None:
+    rate, refractory_us = 1000.0, 500
+    config = replace(SensorConfig.ideal(width=2, height=2), refractory_us=refractory_us)
+    samples = log_ramp(config, start=1.0, rate_per_s=rate, times_us=range(0, 10_001, 250))
+    events, _ = run(Davis346(config, seed=1), samples)
+    period_us = config.theta_on / rate * 1e6 + refractory_us
+    assert np.all(np.abs(gaps_us(events) - period_us) <= 1)
+    assert events.size == 4 * math.floor((10_000 + refractory_us) / period_us)
+
+
+def test_no_two_events_of_a_pixel_are_closer_than_the_refractory_period() -> None:
+    config = noisy(refractory_us=300, shot_noise_scale=20.0)
+    events, _ = run(Davis346(config, seed=1), moving_texture(100, level=0.5))
+    gaps = gaps_us(events)
+    assert gaps.size > 1000
+    assert gaps.min() >= 300
+
+
+def test_signal_events_are_not_heaped_on_frame_times() -> None:
+    events, _ = run(Davis346(noisy(), seed=1), moving_texture(400))
+    counts = np.histogram((events["t"] - 1) % 1000, 10, (0, 1000))[0]
+    assert events.size > 5000
+    assert np.abs(counts / counts.mean() - 1).max() < 0.25
+    assert np.mean(events["t"] % 1000 == 0) < 0.01
+
+
+def test_signal_outweighs_leak_in_the_cause() -> None:
+    config = quiet(leak_hz=0.1)
+    samples = log_ramp(config, start=100.0, rate_per_s=5.0, times_us=range(0, 200_001, 1000))
+    _, causes = run(Davis346(config, seed=1), samples)
+    assert np.mean(causes == Cause.SIGNAL) > 0.85
+
+
+def test_pixels_differ_by_mismatch_and_always_in_the_same_way() -> None:
+    config = SensorConfig.noise_free(width=WIDTH, height=HEIGHT)
+    samples = list(log_ramp(config, start=100.0, rate_per_s=10.0, times_us=range(0, 60_001, 1000)))
+    events, _ = run(Davis346(config, seed=1), samples)
+    pixel = events["y"].astype(int) * WIDTH + events["x"]
+    _, first = np.unique(pixel, return_index=True)
+    thetas = events["t"][first] * 1e-6 * 10.0
+    assert thetas.std() == pytest.approx(config.theta_mismatch, rel=0.25)
+    assert run(Davis346(config, seed=1), samples)[0].tobytes() == events.tobytes()
+
+
+def test_many_events_in_one_step_all_come_out() -> None:
+    config = replace(SensorConfig.ideal(width=64, height=64), theta_on=0.01)
+    samples = [(0, flat(1.0, config)), (20_000, flat(1000.0, config))]
+    events, _ = run(Davis346(config, seed=1), samples)
+    rise = math.log((1000 + 0.01 / 0.36) / (1 + 0.01 / 0.36))
+    assert events.size == pytest.approx(4096 * rise / 0.01, rel=0.005)
+    check_events(events, width=64, height=64)
+
+
+def test_darkness_is_light_too() -> None:
+    config = quiet()
+    samples = [(0, flat(0.0, config)), (1000, flat(1.0, config)), (200_000, flat(0.0, config))]
+    events, _ = run(Davis346(config, seed=1), [*samples, (5_000_000, flat(0.0, config))])
+    assert events["p"].any()
+    assert not events["p"].all()

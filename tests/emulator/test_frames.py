@@ -1,0 +1,67 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from emulator import Davis346, FrameError, SensorConfigError
+from tests.emulator.scenes import flat, noisy, quiet, run
+
+
+@pytest.mark.parametrize(
+    ("bad", "words"),
+    [
+        (np.float32("nan"), "luminance nan cd/m² at row 2, column 3"),
+        (np.float32("inf"), "luminance inf cd/m² at row 2, column 3"),
+        (np.float32(-1.0), r"luminance -1.0 cd/m² at row 2, column 3; allowed is 0 to 1e\+10"),
+    ],
+)
+def test_light_that_cannot_be_is_refused(bad: np.float32, words: str) -> None:
+    frame = flat(1.0, quiet())
+    frame[2, 3] = bad
+    with pytest.raises(FrameError, match=words):
+        Davis346(quiet(), seed=1).step(0, frame)
+
+
+def test_another_shape_is_refused() -> None:
+    with pytest.raises(FrameError, match=r"shape \(16, 12\); allowed is \(12, 16\)"):
+        Davis346(quiet(), seed=1).step(0, np.ones((16, 12), np.float32))
+
+
+def test_grey_levels_are_refused() -> None:
+    with pytest.raises(FrameError, match="dtype uint8"):
+        Davis346(quiet(), seed=1).step(0, np.ones((12, 16), np.uint8))
+
+
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        (1000, "1000 µs after a frame at 1000 µs"),
+        (999, "999 µs after"),
+        (1000 + 2**30, "without gaps of minutes"),
+        (1000.5, "allowed is a whole number of µs"),
+    ],
+)
+def test_times_that_do_not_go_on_are_refused(time: Any, words: str) -> None:
+    sensor = Davis346(quiet(), seed=1)
+    sensor.step(1000, flat(1.0, quiet()))
+    with pytest.raises(FrameError, match=words):
+        sensor.step(time, flat(1.0, quiet()))
+
+
+def test_a_refused_frame_leaves_the_sensor_as_it_was() -> None:
+    config = noisy()
+    samples = [(t, flat(1.0 + t / 5000, config)) for t in range(0, 20_000, 1000)]
+    whole, _ = run(Davis346(config, seed=4), samples)
+    sensor = Davis346(config, seed=4)
+    before = [o.events for o in sensor.stream(samples[:10])]
+    with pytest.raises(FrameError):
+        sensor.step(9500, flat(-1.0, config))
+    after = [o.events for o in sensor.stream(samples[10:])]
+    assert np.array_equal(np.concatenate(before + after), whole)
+    assert whole.size > 0
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, True])
+def test_a_seed_that_is_none_is_refused(seed: Any) -> None:
+    with pytest.raises(SensorConfigError, match="the seed is"):
+        Davis346(quiet(), seed=seed)

@@ -1,0 +1,50 @@
+from typing import Any
+
+import pytest
+
+from sim import CrossingConfig, SceneConfigError, omega_from_speed
+from sim.config import DISTANCE_M, Lighting
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("omega_rad_s", -1.0),
+        ("omega_rad_s", 0.0),
+        ("omega_rad_s", float("nan")),
+        ("lighting", "dusk"),
+        ("direction", "north"),
+        ("profile", "sine"),
+        ("distance_m", 0.5),
+        ("illuminance_lux", 0.0),
+        ("illuminance_lux", 1e6),
+        ("lead_s", -1.0),
+        ("step_px", 0.0),
+        ("max_step_ms", 100.0),
+        ("supersample", 0),
+    ],
+)
+def test_a_bad_value_is_named_with_what_is_allowed(field: str, value: Any) -> None:
+    with pytest.raises(SceneConfigError) as refusal:
+        CrossingConfig(**{field: value})
+    message = str(refusal.value)
+    assert field in message
+    assert str(value) in message
+    assert "allowed is" in message
+
+
+def test_names_from_the_command_line_become_members() -> None:
+    config = CrossingConfig(lighting="night", direction="up")  # type: ignore[arg-type]
+    assert config.lighting is Lighting.NIGHT
+    assert config.distance == DISTANCE_M[Lighting.NIGHT]
+
+
+@pytest.mark.parametrize(
+    ("lighting", "omegas"),
+    [(Lighting.DAY, (1.21, 1.61, 2.01, 2.42)), (Lighting.NIGHT, (1.07, 1.42, 1.78, 2.14))],
+)
+def test_the_distances_give_the_papers_angular_velocities(
+    lighting: Lighting, omegas: tuple[float, ...]
+) -> None:
+    found = [omega_from_speed(v, DISTANCE_M[lighting]) for v in (30, 40, 50, 60)]
+    assert found == pytest.approx(omegas, abs=0.01)

@@ -1,0 +1,119 @@
+"""What needs a Vulkan device: light in cd/m², held against closed forms."""
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim import light
+from sim.camera import Intrinsics, Pose
+from sim.renderer import FilamentRenderer, luminance_model
+from sim.vulkan import vulkan_devices
+
+LENS = Intrinsics(width=64, height=48, focal_px=60.0)
+WHOLE = (0, 0, LENS.width, LENS.height)
+ABOVE = Pose(np.array([0.0, 0.0, 3.0]), up=np.array([0.0, 1.0, 0.0]))
+MATTE = 'metallic="0" roughness="1"'
+
+
+def white_plane(
+    add_light: Callable[[mujoco.MjSpec], None], *, assets: str = "", geoms: str = ""
+) -> Any:
+    spec = mujoco.MjSpec.from_string(f"""
+    <mujoco>
+      <custom>
+        <text name="filament.material.base_color_type" data="linear"/>
+        <numeric name="filament.ao.enabled" data="0"/>
+      </custom>
+      <asset><material name="white" rgba="1 1 1 1" {MATTE}/>{assets}</asset>
+      <worldbody><geom type="plane" size="50 50 .1" material="white"/>{geoms}</worldbody>
+    </mujoco>""")
+    add_light(spec)
+    return spec.compile()
+
+
+def look(model: Any, *, supersample: int = 1) -> Any:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with FilamentRenderer(luminance_model(model), LENS) as renderer:
+        renderer.update(data)
+        return renderer.luminance(ABOVE, WHOLE, supersample=supersample)
+
+
+def sun(spec: mujoco.MjSpec, lux: float) -> None:
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        dir=[0, 0, -1],
+        diffuse=light.WHITE,
+        intensity=lux,
+    )
+
+
+@pytest.mark.parametrize("lux", [0.1, 10.0, 100_000.0])
+def test_a_white_lambertian_plane_reads_illuminance_over_pi(lux: float) -> None:
+    image = look(white_plane(lambda spec: sun(spec, lux)))
+    assert image.dtype == np.float32
+    assert image.shape == (48, 64)
+    assert image * np.pi == pytest.approx(lux, rel=0.03)
+
+
+@pytest.mark.parametrize("lux", [0.1, 10.0, 100_000.0])
+def test_sun_and_sky_together_give_the_illuminance_asked_for(lux: float) -> None:
+    image = look(white_plane(lambda spec: light.add_day(spec, lux)))
+    assert np.median(image) * np.pi == pytest.approx(lux, rel=0.03)
+
+
+@pytest.mark.parametrize("lux", [0.1, 10.0, 100.0])
+def test_street_lamps_give_the_illuminance_asked_for_at_the_origin(lux: float) -> None:
+    lamps = np.array([[2.6, 6.4, 5.85], [-6.0, -4.0, 5.85], [6.0, -4.0, 5.85]])
+    image = look(white_plane(lambda spec: light.add_night(spec, lux, lamps)))
+    assert image[24, 32] * np.pi == pytest.approx(lux, rel=0.05)
+
+
+def test_a_lens_glows_with_the_luminance_set() -> None:
+    def lamp(spec: mujoco.MjSpec) -> None:
+        sun(spec, 1e-3)
+        light.set_luminance(spec.material("lens"), 400.0, light.TAIL_LAMP_RGB)
+
+    red = f"""<texture name="glow" type="2d" builtin="flat" rgb1="1 .1 .05" width="4" height="4"/>
+      <material name="lens" rgba=".5 .03 .02 1" {MATTE}>
+        <layer role="emissive" texture="glow"/>
+      </material>"""
+    box = '<geom type="box" size="9 9 .01" pos="0 0 .01" material="lens"/>'
+    assert look(white_plane(lamp, assets=red, geoms=box)) == pytest.approx(400, rel=0.03)
+
+
+def test_colour_counts_by_its_luminance() -> None:
+    green = f'<material name="green" rgba="0 .5 0 1" {MATTE}/>'
+    box = '<geom type="box" size="9 9 .01" pos="0 0 .01" material="green"/>'
+    image = look(white_plane(lambda spec: sun(spec, 1000), assets=green, geoms=box))
+    # Filament adds the faint gloss that every dielectric has, here 3 %.
+    assert image * np.pi == pytest.approx(1000 * 0.5 * 0.7152, rel=0.04)
+
+
+def test_an_edge_is_anti_aliased_by_area() -> None:
+    black = f'<material name="black" rgba="0 0 0 1" {MATTE}/>'
+    box = '<geom type="box" size="5 5 .0001" pos="-5.005 0 0" euler="0 0 8" material="black"/>'
+    image = look(white_plane(lambda spec: sun(spec, 1000), assets=black, geoms=box), supersample=4)
+    levels = np.unique(np.round(image / image.max(), 2))
+    assert levels.size > 20
+    profile = image[24] / image.max()
+    assert (np.diff(profile) >= -0.02).all()
+
+
+def test_the_same_frame_twice_is_the_same() -> None:
+    model = white_plane(lambda spec: light.add_day(spec, 1000))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with FilamentRenderer(luminance_model(model), LENS) as renderer:
+        renderer.update(data)
+        first = renderer.luminance(ABOVE, WHOLE)
+        assert np.array_equal(first, renderer.luminance(ABOVE, WHOLE))
+
+
+def test_a_device_is_found_and_named() -> None:
+    devices = vulkan_devices()
+    assert devices
+    assert all(device.name for device in devices)
