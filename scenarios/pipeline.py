@@ -11,7 +11,7 @@ from detector.estimate import MotionEstimate
 from detector.fly import FlyDetector
 from emulator import Davis346, SensorOutput
 from scenarios.config import RunConfig
-from sim import Crossing, Intrinsics, Sample
+from sim import Crossing, GroundTruth, Intrinsics, Sample
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,25 @@ class Stopwatch:
             yield
         finally:
             self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
+
+
+@dataclass
+class ViewSpan:
+    """When the target was first and last in view [µs]; empty until it was."""
+
+    first_us: int | None = None
+    last_us: int = -1
+
+    def add(self, truth: GroundTruth) -> None:
+        """Take the next sample's truth into account."""
+        if truth.in_view:
+            self.first_us = truth.t_us if self.first_us is None else self.first_us
+            self.last_us = truth.t_us
+
+    @property
+    def span_us(self) -> tuple[int, int]:
+        """First and last time [µs]; (0, 0) where the target never was in view."""
+        return (0, 0) if self.first_us is None else (self.first_us, self.last_us)
 
 
 def make_crossing(config: RunConfig) -> Crossing:

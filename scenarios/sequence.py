@@ -13,7 +13,7 @@ from detector.fly import FlyDetector
 from scenarios.config import RunConfig
 from scenarios.eventfile import DsecWriter
 from scenarios.output import SUMMARY, whole_folder
-from scenarios.pipeline import Step, Stopwatch, make_crossing, run_steps
+from scenarios.pipeline import Step, Stopwatch, ViewSpan, make_crossing, run_steps
 from scenarios.recording.recorder import Recorder
 from scenarios.summary import EventTally, summarise
 from scenarios.tables import ESTIMATE_COLUMNS, TRUTH_COLUMNS, estimate_row, truth_row, write_table
@@ -53,7 +53,7 @@ def run_sequence(
 
 
 def _run_into(work: Path, config: RunConfig, crossing: Crossing, progress: Progress) -> Any:
-    watch, tally, fly = Stopwatch(), EventTally(), FlyDetector(config.fly)
+    watch, tally, fly, view = Stopwatch(), EventTally(), FlyDetector(config.fly), ViewSpan()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     size = {"width": config.sensor.width, "height": config.sensor.height}
@@ -65,12 +65,13 @@ def _run_into(work: Path, config: RunConfig, crossing: Crossing, progress: Progr
                 events.write(step.output.events)
                 logger.log(step, fly)
             tally.add(step.output)
+            view.add(step.sample.truth)
             estimates += step.estimates
             truth_rows.append(truth_row(step.sample.truth))
             progress(step.sample.t_us, crossing.duration_us)
     write_table(work / "truth.csv", TRUTH_COLUMNS, truth_rows)
     write_table(work / "estimates.csv", ESTIMATE_COLUMNS, map(estimate_row, estimates))
-    return summarise(config, crossing, tally, estimates, watch.wall_s)
+    return summarise(config, crossing, tally, estimates, view.span_us, watch.wall_s)
 
 
 class _Logger:

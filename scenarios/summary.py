@@ -49,54 +49,69 @@ def summarise(
     crossing: Crossing,
     tally: EventTally,
     estimates: Sequence[MotionEstimate],
+    in_view_us: tuple[int, int],
     wall_s: dict[str, float],
 ) -> dict[str, Any]:
-    """Everything about a run that is not an array, ready for JSON."""
+    """Everything about a run that is not an array, ready for JSON.
+
+    Args:
+        config: the run.
+        crossing: its scene.
+        tally: its events.
+        estimates: all that the fly said.
+        in_view_us: when the target was first and last in view [µs].
+        wall_s: wall time by stage [s].
+    """
     return {
         "generator": GENERATOR,
         "parameters": asdict(config),
         "seed": config.seed,
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in _LIBRARIES},
-        "truth": _truth(config, crossing),
+        "truth": _truth(config, crossing, in_view_us),
         "events": tally.summary(),
-        "fly": judge(crossing, estimates),
+        "fly": judge(estimates, config.crossing.direction, in_view_us),
         "wall_s": {name: round(seconds, 3) for name, seconds in wall_s.items()},
     }
 
 
-def judge(crossing: Crossing, estimates: Sequence[MotionEstimate]) -> dict[str, Any]:
+def judge(
+    estimates: Sequence[MotionEstimate], direction: str, in_view_us: tuple[int, int]
+) -> dict[str, Any]:
     """What a detector said over a crossing, against the truth.
+
+    Args:
+        estimates: all that it said.
+        direction: the true one.
+        in_view_us: when the target was first and last in view [µs].
 
     Returns:
         direction: its verdict over the steps in view; accuracy: share of those whose direction is
-        right, and the same after the first `SETTLING_US`; latency: from entering view to the
-        first right step [ms], None where there was none; GRMS of the response [1/s].
+        right, and the same after the first `SETTLING_US`; latency: from the first pixel in view
+        to the first right step [ms], None where there was none; GRMS of the response [1/s].
     """
-    in_view = crossing.view_us
-    settled = in_view[0] + SETTLING_US, in_view[1]
-    truth = Direction(crossing.config.direction.value)
-    latency_us = onset_latency_us(estimates, truth, crossing_us=in_view)
+    truth = Direction(direction)
+    settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]
+    latency_us = onset_latency_us(estimates, truth, crossing_us=in_view_us)
     return {
-        "direction": verdict(estimates, crossing_us=in_view).value,
-        "accuracy": accuracy(estimates, truth, crossing_us=in_view),
-        "accuracy_after_100ms": accuracy(estimates, truth, crossing_us=settled),
-        "steps_in_view": len(within(estimates, in_view)),
+        "direction": verdict(estimates, crossing_us=in_view_us).value,
+        "accuracy": accuracy(estimates, truth, crossing_us=in_view_us),
+        "accuracy_after_100ms": accuracy(estimates, truth, crossing_us=settled_us),
+        "steps_in_view": len(within(estimates, in_view_us)),
         "latency_ms": None if latency_us is None else latency_us / 1e3,
-        "grms": grms(estimates, crossing_us=in_view),
+        "grms": grms(estimates, crossing_us=in_view_us),
     }
 
 
-def _truth(config: RunConfig, crossing: Crossing) -> dict[str, Any]:
+def _truth(config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]) -> dict[str, Any]:
     c = config.crossing
-    enter_us, leave_us = crossing.view_us
     speed_m_s = crossing.trajectory.speed_m_s(0.0)
     return {
         "direction": c.direction.value,
         "omega_rad_s": c.omega_rad_s,
         "speed_km_h": speed_m_s * 3.6,
         "image_speed_px_s": crossing.intrinsics.focal_px * speed_m_s / c.distance,
-        "enters_view_us": enter_us,
-        "leaves_view_us": leave_us,
+        "enters_view_us": in_view_us[0],
+        "leaves_view_us": in_view_us[1],
         "duration_us": crossing.duration_us,
     }

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from detector.fly import FlyDetector
 from scenarios.config import RunConfig
-from scenarios.pipeline import Stopwatch, make_crossing, run_steps
+from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, run_steps
 from scenarios.summary import judge
 from scenarios.terminal import Bar, progress_bar, script
 from sim import CrossingConfig, Direction, Lighting
@@ -68,11 +68,13 @@ def sweep_row(config: RunConfig, progress: Bar) -> tuple[str, ...]:
     """Run one sequence without recording it; its row of the table."""
     crossing, fly = make_crossing(config), FlyDetector(config.fly)
     advance = progress.track(config.name)
+    view = ViewSpan()
     estimates = []
     for step in run_steps(config, crossing, fly, Stopwatch()):
         estimates += step.estimates
+        view.add(step.sample.truth)
         advance(step.sample.t_us, crossing.duration_us)
-    found: dict[str, Any] = judge(crossing, estimates)
+    found: dict[str, Any] = judge(estimates, config.crossing.direction, view.span_us)
     speed = crossing.intrinsics.focal_px * config.crossing.omega_rad_s
     latency = found["latency_ms"]
     return (

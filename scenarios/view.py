@@ -43,8 +43,8 @@ class View:
                 "there is no display to open a window on; use --web to serve the recording to a "
                 "browser, or --screenshot FILE.png for a picture"
             )
-        options = ["--serve-web", "--bind", "127.0.0.1"] if self.web else []
-        return subprocess.call([sys.executable, "-m", "rerun", str(recording), *options])
+        command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
+        return subprocess.call(command + (["--serve-web"] if self.web else []))
 
 
 def find_recording(path: Path) -> Path:

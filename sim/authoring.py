@@ -94,7 +94,7 @@ def bark(rng: np.random.Generator, size: int = 128) -> Image:
 
 
 def crown(rng: np.random.Generator, tufts: int = 800) -> str:
-    """A tree crown as a Wavefront OBJ: two-sided leaf tufts in an egg of unit radius.
+    """A tree crown as a Wavefront OBJ: leaf tufts in an egg of unit radius.
 
     Returns:
         The file's text, with texture coordinates; lengths are relative to the crown's radius.
@@ -114,7 +114,7 @@ def crown(rng: np.random.Generator, tufts: int = 800) -> str:
         lines += [f"vt {u + du:.3f} {v + dv:.3f}" for du, dv in TUFT_UV]
     for k in range(0, 4 * tufts, 4):
         a, b, c, d = (f"{k + n}/{k + n}" for n in (1, 2, 3, 4))
-        lines += [f"f {a} {b} {c}", f"f {a} {c} {d}", f"f {c} {b} {a}", f"f {d} {c} {a}"]
+        lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
     return "\n".join(lines) + "\n"
 
 

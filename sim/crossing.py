@@ -9,14 +9,13 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from sim.camera import Intrinsics
 from sim.config import CrossingConfig, Direction
-from sim.influence import influence_window
-from sim.renderer import FilamentRenderer, Luminance, Window, luminance_model
+from sim.influence import body_window, influence_window
+from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.sampling import sample_times_us
-from sim.scene import BODY_BOX_M, RIM_RADIUS_M, WHEEL_RADIUS_M, Scene, build_scene
+from sim.scene import BODY_BOX_M, FLANK_M, RIM_RADIUS_M, WHEEL_RADIUS_M, Scene, build_scene
 from sim.trajectory import Trajectory
 from sim.truth import GroundTruth, ground_truth
 
@@ -25,6 +24,9 @@ OUT_OF_SIGHT_M = 6.0
 drawn; not farther, since the shadow map is fitted to all that casts a shadow."""
 RIM_SPEED = 1 + RIM_RADIUS_M / WHEEL_RADIUS_M
 """A rolling wheel's spokes outrun the vehicle at the top by this factor."""
+
+BEAM_SOFTNESS = 4
+"""The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,8 @@ class Crossing:
         self.intrinsics = intrinsics or Intrinsics()
         self.scene: Scene = build_scene(config)
         self.trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
-        half_view_m = config.distance * math.tan(self._half_view_rad())
-        self._reach_m = half_view_m + float(BODY_BOX_M[1, 0])
+        far_flank_m = config.distance + 2 * FLANK_M  # seen first, and last
+        self._reach_m = far_flank_m * math.tan(self._half_view_rad()) + float(BODY_BOX_M[1, 0])
         self._start_s = self.trajectory.time_at_s(-self._reach_m) - config.lead_s
         self._end_s = self.trajectory.time_at_s(self._reach_m) + config.lead_s
         self.trajectory.position_m(self._start_s)
@@ -69,12 +71,6 @@ class Crossing:
     def duration_us(self) -> int:
         """Length of the sequence [µs]."""
         return round((self._end_s - self._start_s) * 1e6)
-
-    @property
-    def view_us(self) -> tuple[int, int]:
-        """When the vehicle's near flank enters the image, and when it has left it [µs]."""
-        lead_us = round(self.config.lead_s * 1e6)
-        return lead_us, self.duration_us - lead_us
 
     def seconds(self, t_us: int) -> float:
         """Time since closest approach [s] of a time since the start [µs]."""
@@ -110,8 +106,7 @@ class Crossing:
             data = mujoco.MjData(model)
             empty = self._empty_street(renderer, data)
             for t_us in self.times_us():
-                window = influence_window(self.scene, self.position_m(t_us), self.intrinsics)
-                yield self._sample(renderer, data, t_us, empty, window)
+                yield self._sample(renderer, data, t_us, empty)
 
     @contextmanager
     def full_frames(self) -> Iterator[Callable[[int], Luminance]]:
@@ -133,22 +128,22 @@ class Crossing:
             yield draw
 
     def _sample(
-        self,
-        renderer: FilamentRenderer,
-        data: mujoco.MjData,
-        t_us: int,
-        empty: Luminance,
-        window: Window | None,
+        self, renderer: FilamentRenderer, data: mujoco.MjData, t_us: int, empty: Luminance
     ) -> Sample:
+        position = self.position_m(t_us)
         luminance = empty.copy()
         mask = np.zeros(empty.shape, np.bool_)
-        if window is not None:
+        if window := influence_window(self.scene, position, self.intrinsics):
             x0, y0, x1, y1 = window
-            self.scene.place(data, self.position_m(t_us))
+            self.scene.place(data, position)
             renderer.update(data)
-            pose, fine = self.scene.pose, self.config.supersample
-            luminance[y0:y1, x0:x1] = renderer.luminance(pose, window, supersample=fine)
-            mask[y0:y1, x0:x1] = self._mask(renderer, window)
+            luminance[y0:y1, x0:x1] = renderer.luminance(
+                self.scene.pose, window, supersample=self.config.supersample
+            )
+        if window := body_window(self.scene, position, self.intrinsics):
+            x0, y0, x1, y1 = window
+            geoms = renderer.segmentation(self.scene.pose, window)
+            mask[y0:y1, x0:x1] = np.isin(geoms, self.scene.vehicle_geoms)
         truth = ground_truth(
             self.scene,
             self.trajectory,
@@ -158,9 +153,6 @@ class Crossing:
             mask=mask,
         )
         return Sample(t_us, luminance, truth)
-
-    def _mask(self, renderer: FilamentRenderer, window: Window) -> npt.NDArray[np.bool_]:
-        return np.isin(renderer.segmentation(self.scene.pose, window), self.scene.vehicle_geoms)
 
     def _empty_street(self, renderer: FilamentRenderer, data: mujoco.MjData) -> Luminance:
         return self._whole(renderer, data, self._reach_m + OUT_OF_SIGHT_M)
@@ -174,11 +166,15 @@ class Crossing:
         return renderer.luminance(self.scene.pose, whole, supersample=self.config.supersample)
 
     def _fastest_px_s(self, t_us: int) -> float:
-        """Image speed of the fastest point, on the near flank's wheels; 0 where nothing is seen."""
-        if influence_window(self.scene, self.position_m(t_us), self.intrinsics) is None:
-            return 0.0
+        """Image speed of the fastest thing that moves in view; 0 where nothing does."""
+        position = self.position_m(t_us)
         speed = self.trajectory.speed_m_s(self.seconds(t_us)) / self.trajectory.distance_m
-        return RIM_SPEED * self.intrinsics.focal_px * speed
+        flank_px_s = self.intrinsics.focal_px * speed
+        if body_window(self.scene, position, self.intrinsics):
+            return RIM_SPEED * flank_px_s
+        if influence_window(self.scene, position, self.intrinsics):
+            return flank_px_s / BEAM_SOFTNESS
+        return 0.0
 
     def _half_view_rad(self) -> float:
         level = self.config.direction in (Direction.RIGHT, Direction.LEFT)

@@ -102,7 +102,7 @@ def srgb(linear: npt.ArrayLike) -> npt.NDArray[np.uint8]:
     """Encode linear colour, 0 to 1, as sRGB of 8 bits (IEC 61966-2-1)."""
     value = np.clip(np.asarray(linear, np.float64), 0.0, 1.0)
     encoded = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
-    return np.rint(encoded * 255).astype(np.uint8)
+    return np.asarray(np.rint(encoded * 255), np.uint8)
 
 
 def _merged(
@@ -125,7 +125,8 @@ def _normals(triangles: Triangles) -> F64:
     """(n, 3) unit normals; zero for a triangle without area."""
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     length = np.linalg.norm(across, axis=1, keepdims=True)
-    return np.divide(across, length, out=np.zeros_like(across), where=length > 0)
+    normals: F64 = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
+    return normals
 
 
 def _geom_triangles(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Triangles:
@@ -178,7 +179,8 @@ def _box(size: F64) -> Triangles:
 
 def _plane(size: F64) -> Triangles:
     half = np.where(size[:2] > 0, size[:2], ENDLESS_M)
-    return _box(np.ones(3))[:2] * [*half, 0.0]
+    flat: Triangles = _box(np.ones(3))[:2] * [*half, 0.0]
+    return flat
 
 
 def _ellipsoid(size: F64) -> Triangles:

@@ -26,11 +26,20 @@ Points = npt.NDArray[np.float64]
 
 def influence_window(scene: Scene, position_m: float, intrinsics: Intrinsics) -> Window | None:
     """The window that a vehicle at `position_m` can change; None where it can change nothing."""
-    body = scene.body_corners_m(position_m)
-    points = [body, *(_shadow(body, caster) for caster in scene.casters_m)]
+    points = _body_and_shadows(scene, position_m)
     if scene.has_beams:
-        points.append(_beam(scene, position_m))
-    return _bounds(np.concatenate(points), scene, intrinsics)
+        points = np.concatenate([points, _beam(scene, position_m)])
+    return _bounds(points, scene, intrinsics)
+
+
+def body_window(scene: Scene, position_m: float, intrinsics: Intrinsics) -> Window | None:
+    """The window that holds the vehicle and its shadows, without what its lamps light."""
+    return _bounds(_body_and_shadows(scene, position_m), scene, intrinsics)
+
+
+def _body_and_shadows(scene: Scene, position_m: float) -> Points:
+    body = scene.body_corners_m(position_m)
+    return np.concatenate([body, *(_shadow(body, caster) for caster in scene.casters_m)])
 
 
 def _shadow(points_m: Points, caster: Points) -> Points:

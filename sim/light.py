@@ -27,6 +27,7 @@ HEAD_LAMP_CD, HEAD_LAMP_CUTOFF_DEG, HEAD_LAMP_DIP = 8_000.0, 12.0, 0.21
 lamp is lit (assumed; UNECE R112 allows a passing beam no more than 44 kcd)."""
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
 """Luminance of the lenses as seen from the side (assumed)."""
+OFF_EMISSION = 1e-12
 TAIL_LAMP_RGB = (1.0, 0.1, 0.05)
 """Linear colour of the tail lamps' emissive texture."""
 
@@ -127,7 +128,9 @@ def set_luminance(
         luminance_cd_m2: wanted [cd/m²].
         glow: linear colour of the material's emissive texture; white where it has none.
     """
-    material.emission = luminance_cd_m2 / EMISSION_CD_M2 / relative_luminance(glow)
+    # Where a material has an emissive texture, Filament takes an emission of 0 as none given.
+    emission = luminance_cd_m2 / EMISSION_CD_M2 / relative_luminance(glow)
+    material.emission = max(emission, OFF_EMISSION)
 
 
 def relative_luminance(rgba: npt.ArrayLike) -> float:

@@ -70,7 +70,8 @@ class Scene:
     def body_corners_m(self, position_m: float) -> npt.NDArray[np.float64]:
         """(8, 3) world corners of the box around the vehicle at a way along its path."""
         corners = np.array(np.meshgrid(*BODY_BOX_M.T)).reshape(3, -1).T
-        return np.asarray((corners + [[position_m, 0, 0]]) * [self.heading, 1, 1])
+        shift = np.array([position_m, 0, 0])
+        return np.asarray((corners + shift) * [self.heading, 1, 1])
 
     def flank_m(self, position_m: float) -> npt.NDArray[np.float64]:
         """(4, 3) world corners of the near flank's rectangle at a way along its path."""
@@ -123,7 +124,7 @@ def preview_model(scene: Scene) -> mujoco.MjModel:
     model = copy.copy(scene.model)
     gain = PREVIEW_LUX / scene.config.illuminance
     model.light_intensity[:] *= gain
-    model.mat_emission[:] *= gain
+    model.mat_emission[:] *= gain**0.25  # lamps in full would lose their hue
     sky = int(model.tex_adr[model.texture(light.SKY_TEXTURE).id])
     model.tex_data[sky:].reshape(-1, 3)[:] = PREVIEW_SKY_RGB
     return model
@@ -133,13 +134,19 @@ def _street() -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(ASSETS / "street.xml"))
 
 
-def _sedan() -> mujoco.MjSpec:
-    return mujoco.MjSpec.from_file(str(ASSETS / "sedan.xml"))
+def _sedan(*, lit: bool) -> mujoco.MjSpec:
+    car = mujoco.MjSpec.from_file(str(ASSETS / "sedan.xml"))
+    for name, luminance, glow in (
+        ("head_lamp", light.HEAD_LAMP_CD_M2, light.WHITE),
+        ("tail_lamp", light.TAIL_LAMP_CD_M2, light.TAIL_LAMP_RGB),
+    ):
+        light.set_luminance(car.material(name), luminance if lit else 0.0, glow)
+    return car
 
 
 def _park(spec: mujoco.MjSpec) -> None:
     for k, (x, y, heading, colour) in enumerate(PARKED):
-        car = _sedan()
+        car = _sedan(lit=False)
         for joint in list(car.joints):
             car.delete(joint)
         car.material("paint").rgba = [*colour, 1]
@@ -149,12 +156,10 @@ def _park(spec: mujoco.MjSpec) -> None:
 
 
 def _add_vehicle(spec: mujoco.MjSpec, heading: int, *, lit: bool) -> None:
-    car = _sedan()
+    car = _sedan(lit=lit)
     if lit:
         lamps = np.array([site.pos for site in car.sites if "head_lamp" in site.name])
         light.add_head_lamps(car.body("sedan"), lamps)
-        light.set_luminance(car.material("head_lamp"), light.HEAD_LAMP_CD_M2)
-        light.set_luminance(car.material("tail_lamp"), light.TAIL_LAMP_CD_M2, light.TAIL_LAMP_RGB)
     turn = [1, 0, 0, 0] if heading > 0 else [0, 0, 0, 1]
     frame = spec.worldbody.add_frame(pos=[0, 0, 0], quat=turn)
     spec.attach(car, prefix="vehicle/", frame=frame)

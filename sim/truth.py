@@ -53,8 +53,8 @@ class GroundTruth:
 
     @property
     def in_view(self) -> bool:
-        """Whether any of the flank is inside the image."""
-        return self.visibility > 0
+        """Whether any pixel shows the target."""
+        return self.bounding_box_px is not None
 
 
 def ground_truth(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import rerun as rr
 import rerun.blueprint as rrb
 
 from scenarios.recording import entities as at
@@ -64,7 +63,7 @@ def _scene(crossing: Crossing) -> rrb.Spatial3DView:
 
 def _preview(bounds: rrb.VisualBounds2D) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
-        name="The eye's view, with the truth",
+        name="Preview, true mask, box and centroid",
         origin=at.CAMERA,
         contents=[at.PREVIEW, at.TRUTH_MASK, at.TRUTH_BOX, at.TRUTH_CENTROID],
         visual_bounds=bounds,
@@ -135,7 +134,7 @@ _LINKED = rrb.TimeAxis(link="LinkToGlobal")
 def _time_panel(crossing: Crossing) -> rrb.TimePanel:
     """Play what happens while the vehicle is in view, slowly, over and over."""
     lead_ns = round(crossing.config.lead_s * 1e9)
-    seen = rr.encodings.AbsoluteTimeRange(lead_ns, crossing.duration_us * 1000 - lead_ns)
+    seen = rrb.components.AbsoluteTimeRange(lead_ns, crossing.duration_us * 1000 - lead_ns)
     return rrb.TimePanel(
         state="collapsed",
         timeline=at.TIMELINE,

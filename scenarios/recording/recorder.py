@@ -165,7 +165,7 @@ class Recorder:
     def _keep_rates(self) -> None:
         """Events a millisecond, which is kev/s; also of the milliseconds without any."""
         t_us, *counts = np.concatenate([np.zeros((4, 0), np.int64), *self._rates], axis=1)
-        end_us = max(self._crossing.duration_us, *t_us)
+        end_us = int(t_us.max(initial=self._crossing.duration_us))
         times_us = np.arange(0, end_us + BATCH_US, BATCH_US)
         for path, count in zip((at.RATE_ON, at.RATE_OFF, at.RATE_NOISE), counts, strict=True):
             rate = np.zeros(times_us.size)

@@ -9,11 +9,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
-from rerun.experimental import Recording, ViewerClient
+from rerun.experimental import ViewerClient
 
 from scenarios.errors import ScenarioError
 from scenarios.recording.entities import TIMELINE
@@ -22,8 +22,14 @@ HOST = "127.0.0.1"
 PATIENCE_S = 60.0
 """How long the viewer may take to start, or to load (assumed: far more than it needs)."""
 POLL_S = 0.1
-GREETING_S = 4.0
-"""How long the viewer shows, in front of all else, what port it listens on (measured: 3 s)."""
+GREETING_PICTURES = 8
+"""The viewer shows its port in front of all else until it has painted so often (measured: 5
+pictures at most); sleeping does not help, since its clock stands still meanwhile."""
+
+NO_VIEWER = (
+    "the Rerun viewer does not run here, probably for want of a Vulkan driver; flybench doctor "
+    "tells what is missing"
+)
 
 
 class ScreenshotError(ScenarioError):
@@ -46,12 +52,18 @@ def screenshot(
         size_px: width and height of the viewer [px].
 
     Raises:
-        ScreenshotError: there is no such recording, `at_s` is outside of it, or no viewer runs.
+        ScreenshotError: there is no such recording or no folder for the picture, `at_s` is outside
+            of the recording, or no viewer runs here.
     """
     if not recording.is_file():
         raise ScreenshotError(
             f"the recording {recording} is no file; allowed is an .rrd file; make one with "
             "flybench run"
+        )
+    if not png.absolute().parent.is_dir():
+        raise ScreenshotError(
+            f"the picture {png} is to be in a folder that is not there; allowed is one that is; "
+            "make it first"
         )
     with _viewer(size_px) as viewer:
         viewer.open(str(recording.absolute()))
@@ -69,13 +81,12 @@ def screenshot(
 
 def _settled_picture(viewer: ViewerClient) -> bytes:
     """A PNG, taken when the greeting is gone and the images are decoded."""
-    time.sleep(GREETING_S)
+    pictures = [viewer.take_screenshot() for _ in range(GREETING_PICTURES)]
     deadline = time.monotonic() + PATIENCE_S
-    before, picture = b"", viewer.take_screenshot()
-    while picture != before and time.monotonic() < deadline:
+    while pictures[-1] != pictures[-2] and time.monotonic() < deadline:
         time.sleep(POLL_S)
-        before, picture = picture, viewer.take_screenshot()
-    return picture
+        pictures.append(viewer.take_screenshot())
+    return pictures[-1]
 
 
 @contextmanager
@@ -99,8 +110,11 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
     try:
         _wait_for(process, port)
         yield ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
+    except ConnectionError as error:
+        raise ScreenshotError(NO_VIEWER) from error
     finally:
-        os.killpg(process.pid, signal.SIGTERM)
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGTERM)
         process.wait()
 
 
@@ -119,10 +133,7 @@ def _wait_for(process: subprocess.Popen[bytes], port: int) -> None:
             time.sleep(POLL_S)
         else:
             return
-    raise ScreenshotError(
-        "the Rerun viewer did not start, probably for want of a Vulkan driver; flybench doctor "
-        "tells what is missing"
-    )
+    raise ScreenshotError(NO_VIEWER)
 
 
 def _time_range(viewer: ViewerClient, recording: Path) -> tuple[int, int]:
@@ -131,8 +142,9 @@ def _time_range(viewer: ViewerClient, recording: Path) -> tuple[int, int]:
     while time.monotonic() < deadline:
         state = viewer.get_state()
         for timeline in (t for r in state.recordings for t in r.timelines):
-            known = timeline.start is not None and timeline.end is not None
-            if timeline.name == TIMELINE and known and not state.loading:
+            if timeline.name != TIMELINE or state.loading:
+                continue
+            if timeline.start is not None and timeline.end is not None:
                 return timeline.start, timeline.end
         time.sleep(POLL_S)
     raise ScreenshotError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -41,7 +42,7 @@ def log_parameters(stream: rr.RecordingStream, parameters: Mapping[str, object])
             without a dot belongs to "run". Numbers stay numbers, all else is text; None is left
             out.
     """
-    groups: dict[str, dict[str, object]] = {}
+    groups: dict[str, dict[str, Any]] = {}
     for name, value in parameters.items():
         group, dot, key = name.partition(".")
         if value is not None:

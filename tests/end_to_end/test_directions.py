@@ -1,0 +1,35 @@
+"""The promise: the direction is right in every step, once the vehicle was in view for 100 ms."""
+
+import pytest
+
+from detector.fly import FlyDetector
+from scenarios.config import RunConfig
+from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, run_steps
+from scenarios.summary import judge
+from sim import CrossingConfig, Direction, Lighting
+
+OMEGA_RAD_S = {Lighting.DAY: 1.61, Lighting.NIGHT: 1.42}
+
+
+@pytest.mark.parametrize("direction", list(Direction))
+@pytest.mark.parametrize("lighting", list(Lighting))
+def test_direction_is_right_in_every_step(lighting: Lighting, direction: Direction) -> None:
+    config = RunConfig(
+        CrossingConfig(
+            lighting=lighting,
+            direction=direction,
+            omega_rad_s=OMEGA_RAD_S[lighting],
+            step_px=4.0,
+            supersample=1,
+        )
+    )
+    crossing, fly = make_crossing(config), FlyDetector(config.fly)
+    view, estimates = ViewSpan(), []
+    for step in run_steps(config, crossing, fly, Stopwatch()):
+        view.add(step.sample.truth)
+        estimates += step.estimates
+    found = judge(estimates, direction, view.span_us)
+    assert found["accuracy_after_100ms"] == 1.0
+    assert found["direction"] == direction.value
+    assert found["steps_in_view"] > 50
+    assert found["latency_ms"] <= 100

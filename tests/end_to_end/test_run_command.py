@@ -1,0 +1,130 @@
+"""`flybench run` as a user calls it: what it writes, what it refuses, and that it repeats."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from detector.fly import FlyDetector
+from emulator import EVENT_DTYPE, Events
+from scenarios.run import Run
+from scenarios.sequence import run_sequence
+from scenarios.tables import estimate_row
+
+COARSE = ("--step-px", "8", "--supersample", "1", "--omega", "2.42")
+
+
+def flybench(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "scenarios.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def read_events(folder: Path) -> Events:
+    with h5py.File(folder / "events.h5") as file:
+        events = np.empty(file["events/t"].size, EVENT_DTYPE)
+        for name in events.dtype.names or ():
+            events[name] = file["events"][name][:]
+        index = file["ms_to_idx"][:]
+    assert (np.searchsorted(events["t"], np.arange(index.size) * 1000) == index).all()
+    return events
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    folder = tmp_path_factory.mktemp("runs") / "one"
+    done = flybench("run", *COARSE, "--seed", "7", "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    return folder, done.stdout
+
+
+def summary_of(folder: Path) -> Any:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_the_folder_holds_all_that_was_promised(ran: tuple[Path, str]) -> None:
+    folder, _ = ran
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"recording.rrd", "events.h5", "truth.csv", "estimates.csv", "summary.json"}
+
+
+def test_the_summary_is_the_contract(ran: tuple[Path, str]) -> None:
+    summary, events = summary_of(ran[0]), read_events(ran[0])
+    assert summary["truth"]["direction"] == "right"
+    assert summary["truth"]["omega_rad_s"] == 2.42
+    assert summary["fly"]["direction"] == "right"
+    assert 0 <= summary["fly"]["accuracy"] <= 1
+    assert summary["events"]["count"] == events.size
+    assert summary["events"]["on"] == np.count_nonzero(events["p"])
+    assert summary["events"]["on"] + summary["events"]["off"] == events.size
+    assert sum(summary["events"]["by_cause"].values()) == events.size
+    assert set(summary["wall_s"]) == {"render", "emulate", "detect", "record"}
+    assert summary["seed"] == 7
+    assert summary["parameters"]["sensor"]["theta_on"] == 0.18
+    assert summary["parameters"]["fly"]["tau_us"] == 30_000
+    assert summary["versions"]["mujoco"].startswith("4.")
+
+
+def test_the_table_says_it_and_how_to_look(ran: tuple[Path, str]) -> None:
+    folder, printed = ran
+    for words in ("true direction", "shot noise", "the fly's verdict", "flybench view"):
+        assert words in printed
+    assert folder.name in printed
+
+
+def test_another_process_and_one_chunk_give_the_same(ran: tuple[Path, str], tmp_path: Path) -> None:
+    config = Run(omega=2.42, step_px=8, supersample=1, seed=7).config()
+    run_sequence(config, tmp_path / "again")
+    events = read_events(ran[0])
+    assert np.array_equal(read_events(tmp_path / "again"), events)
+    table = (ran[0] / "estimates.csv").read_text()
+    assert (tmp_path / "again" / "estimates.csv").read_text() == table
+    fly = FlyDetector(config.fly)
+    estimates = fly.push(events) + fly.advance(summary_of(ran[0])["truth"]["duration_us"] + 1)
+    rows = [",".join(map(str, estimate_row(estimate))) for estimate in estimates]
+    assert table.splitlines()[1:] == rows
+
+
+def test_a_run_replaces_an_earlier_one(ran: tuple[Path, str]) -> None:
+    folder, _ = ran
+    before = summary_of(folder)["truth"]["omega_rad_s"]
+    done = flybench("run", *COARSE, "--omega", "2.0", "--seed", "7", "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    assert before == 2.42
+    assert summary_of(folder)["truth"]["omega_rad_s"] == 2.0
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--omega", "-1"), ("omega_rad_s is -1.0", "allowed is", "another direction")),
+        (("--omega", "0"), ("omega_rad_s is 0.0", "allowed is")),
+        (("--omega", "1", "--speed-km-h", "40"), ("--omega is 1.0", "leave the other out")),
+        (("--seed", "-3"), ("seed is -3", "allowed is")),
+        (("--illuminance-lux", "1e9"), ("illuminance_lux is 1000000000.0", "allowed is")),
+        (("--lighting", "dusk"), ("dusk", "day", "night")),
+    ],
+)
+def test_a_bad_value_is_refused_in_a_sentence(
+    arguments: tuple[str, ...], words: tuple[str, ...], tmp_path: Path
+) -> None:
+    done = flybench("run", *arguments, "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    said = " ".join((done.stderr + done.stdout).replace("│", " ").split())
+    assert "Traceback" not in said
+    for word in words:
+        assert word in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("mine")
+    done = flybench("run", *COARSE, "--out", str(tmp_path))
+    assert done.returncode == 2
+    assert "was not written by flybench" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]

@@ -1,0 +1,126 @@
+"""The small commands: doctor, view, and what a sweep prints."""
+
+from pathlib import Path
+
+import pytest
+
+from scenarios import doctor, view
+from scenarios.config import RunConfig
+from scenarios.doctor import Doctor
+from scenarios.errors import ScenarioError
+from scenarios.report import print_runs
+from scenarios.run import Run
+from scenarios.terminal import execute
+from scenarios.velocity_sweep import VelocitySweep
+from sim import Lighting
+from sim.errors import RendererError
+from sim.vulkan import INSTALL_COMMAND, VulkanDevice
+
+
+def test_doctor_names_device_and_rate(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "FRAMES", 2)
+    assert Doctor().execute() == 0
+    said = capsys.readouterr().out
+    for words in ("Vulkan device", "per second", "mujoco", "Nothing is missing"):
+        assert words in said
+
+
+def test_doctor_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def none() -> list[VulkanDevice]:
+        return []
+
+    monkeypatch.setattr(doctor, "vulkan_devices", none)
+    assert Doctor().execute() == 1
+    assert INSTALL_COMMAND in capsys.readouterr().out
+
+
+def test_a_machine_without_vulkan_gets_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("sim.vulkan.ctypes.util.find_library", lambda _: None)
+    assert execute(Run(out=tmp_path / "out")) == 2
+    assert INSTALL_COMMAND in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+    assert issubclass(RendererError, ValueError)
+
+
+@pytest.mark.parametrize("name", ["missing", "missing.rrd", "notes.txt"])
+def test_view_refuses_what_is_no_recording(tmp_path: Path, name: str) -> None:
+    (tmp_path / "notes.txt").write_text("")
+    with pytest.raises(ScenarioError, match="there is no recording at"):
+        view.find_recording(tmp_path / name)
+
+
+def test_view_finds_the_recording_of_a_run(tmp_path: Path) -> None:
+    recording = tmp_path / view.RECORDING
+    recording.touch()
+    assert view.find_recording(tmp_path) == recording
+    assert view.find_recording(recording) == recording
+
+
+def test_view_without_a_display_names_the_other_ways(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / view.RECORDING).touch()
+    monkeypatch.setattr(view, "_has_display", lambda: False)
+    with pytest.raises(ScenarioError, match="--web"):
+        view.View(tmp_path).execute()
+
+
+def test_speed_and_omega_are_two_names_of_one_thing() -> None:
+    by_speed = Run(speed_km_h=40).config().crossing.omega_rad_s
+    assert by_speed == pytest.approx(1.61, abs=0.01)
+    at_night = Run(lighting="night", speed_km_h=40).config().crossing
+    assert at_night.omega_rad_s == pytest.approx(1.42, abs=0.01)
+    assert Run(lighting="night").config().crossing.lighting is Lighting.NIGHT
+
+
+def test_parameters_have_dotted_names() -> None:
+    parameters = RunConfig(seed=3).parameters()
+    assert parameters["crossing.omega_rad_s"] == 1.61
+    assert parameters["sensor.aps.noise"] is True
+    assert parameters["seed"] == 3
+
+
+def test_a_sweep_prints_truth_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
+    assert VelocitySweep(omegas=(2.42,), step_px=8.0).execute() == 0
+    said = capsys.readouterr().out
+    assert "2.42 rad/s" in said
+    assert said.count("right") >= 3  # column, truth, verdict
+
+
+def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    def summary(latency_ms: float | None) -> dict[str, object]:
+        return {
+            "truth": {
+                "direction": "right",
+                "omega_rad_s": 1.61,
+                "speed_km_h": 39.9,
+                "image_speed_px_s": 522.0,
+                "duration_us": 1_000_000,
+            },
+            "events": {
+                "count": 1234567,
+                "on": 1000000,
+                "off": 234567,
+                "by_cause": {"signal": 1234560, "leak": 5, "shot": 1, "hot": 1},
+            },
+            "fly": {
+                "direction": "right",
+                "accuracy": 0.9,
+                "accuracy_after_100ms": None,
+                "steps_in_view": 100,
+                "latency_ms": latency_ms,
+                "grms": 1.5,
+            },
+            "wall_s": {"render": 1.0, "emulate": 2.0},
+        }
+
+    print_runs([(Path("logs/a"), summary(50.0)), (Path("logs/b"), summary(None))])
+    said = capsys.readouterr().out
+    for words in ("1,234,567", "50 ms after entering", "never", "no step", "logs/b/recording.rrd"):
+        assert words in said

@@ -1,0 +1,55 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from scenarios.errors import OutputError
+from scenarios.output import GENERATOR, check_output, whole_folder
+
+
+def test_a_folder_appears_whole(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "out"
+    with whole_folder(out) as work:
+        (work / "a").write_text("1")
+        assert not out.exists()
+    assert (out / "a").read_text() == "1"
+    assert [path.name for path in out.parent.iterdir()] == ["out"]
+
+
+def test_a_failure_leaves_nothing_of_it_and_what_was_there_before(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with whole_folder(out) as work:
+        (work / "summary.json").write_text(json.dumps({"generator": GENERATOR}))
+
+    def fail() -> None:
+        with whole_folder(out) as work:
+            (work / "half").write_text("1")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    assert [path.name for path in out.iterdir()] == ["summary.json"]
+
+
+@pytest.mark.parametrize("summary", [None, "{}", "[]", "not json", '{"generator": "other"}'])
+def test_somebody_elses_folder_is_refused(tmp_path: Path, summary: str | None) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "precious").write_text("1")
+    if summary is not None:
+        (out / "summary.json").write_text(summary)
+    with pytest.raises(OutputError, match="was not written by flybench"):
+        check_output(out)
+
+
+def test_an_empty_folder_may_be_used(tmp_path: Path) -> None:
+    check_output(tmp_path)
+
+
+def test_a_file_in_the_way_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("1")
+    with pytest.raises(OutputError, match="was not written by flybench"):
+        check_output(tmp_path / "file")
+    with pytest.raises(OutputError, match="cannot be made"):
+        check_output(tmp_path / "file" / "out")

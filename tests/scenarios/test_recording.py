@@ -1,0 +1,227 @@
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import rerun as rr
+
+from detector.estimate import Direction, MotionEstimate
+from detector.fly import FlyMaps
+from emulator import EVENT_DTYPE, ApsFrame, Cause
+from scenarios.recording import Recorder
+from scenarios.recording.entities import MOTION, SALIENCY, SURFACE_OFF, SURFACE_ON
+from scenarios.recording.event_batches import class_id
+from sim import Crossing, CrossingConfig, GroundTruth, project
+from sim import Direction as SceneDirection
+from sim.truth import ground_truth
+from tests.scenarios.reading import Reading
+
+CELL_PX = 3
+PARAMETERS = {
+    "seed": 3,
+    "crossing.lighting": "day",
+    "crossing.lux": 3e4,
+    "crossing.noise": True,
+    "crossing.nothing": None,
+}
+
+
+def events_at(*times_us: int) -> Any:
+    events = np.zeros(len(times_us), EVENT_DTYPE)
+    events["t"] = times_us
+    events["x"], events["y"] = np.arange(len(times_us)) % 346, 7
+    events["p"] = np.arange(len(times_us)) % 2 == 0
+    return events
+
+
+def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth:
+    mask = np.zeros((260, 346), np.bool_)
+    if seen:
+        mask[120:150, 100:140] = True
+    return ground_truth(
+        crossing.scene,
+        crossing.trajectory,
+        crossing.intrinsics,
+        t_us=t_us,
+        t_s=crossing.seconds(t_us),
+        mask=mask,
+    )
+
+
+def estimate_at(t_us: int, hs: float, direction: Direction) -> MotionEstimate:
+    roi = None if direction is Direction.NONE else (90, 90, 150, 150)
+    return MotionEstimate(t_us, hs, -0.25, direction, abs(hs), (hs, -0.25), (120.0, 130.0), roi)
+
+
+def maps_of(level: float) -> FlyMaps:
+    grid = np.full((87, 116), level, np.float32)
+    motion = np.stack([grid, grid / 2, grid / 4, grid / 8])
+    return FlyMaps(grid, 2 * grid, motion, grid, grid > 0, CELL_PX)
+
+
+@pytest.fixture(scope="module")
+def crossing() -> Crossing:
+    return Crossing(CrossingConfig(direction=SceneDirection.UP))
+
+
+@pytest.fixture(scope="module")
+def path(crossing: Crossing, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("run") / "recording.rrd"
+    with Recorder(path, crossing=crossing, parameters=PARAMETERS) as recorder:
+        causes = np.array([Cause.SIGNAL, Cause.SIGNAL, Cause.SHOT], np.uint8)
+        recorder.log_events(events_at(1_200, 1_900, 1_950), causes)
+        recorder.log_events(events_at(1_999, 5_000))
+        recorder.log_aps(ApsFrame(0, 7_200, np.full((260, 346), 680, np.uint16)))
+        recorder.log_preview(0, np.full((520, 692, 3), (200, 100, 50), np.uint8))
+        recorder.log_truth(truth_at(crossing, 0, seen=False))
+        recorder.log_truth(truth_at(crossing, crossing.duration_us // 2))
+        recorder.log_estimate(estimate_at(10_000, 0.0, Direction.NONE), maps_of(0.0))
+        recorder.log_estimate(estimate_at(20_000, 0.5, Direction.RIGHT), maps_of(0.5))
+        recorder.log_estimate(estimate_at(30_000, 0.75, Direction.RIGHT))
+    return path
+
+
+@pytest.fixture(scope="module")
+def reading(path: Path) -> Reading:
+    return Reading(path)
+
+
+def test_events_are_batched_by_the_millisecond(reading: Reading) -> None:
+    assert reading.rows("/world/camera/events", "Points2D:positions") == [
+        (0.002, [[0.5, 7.5], [1.5, 7.5], [2.5, 7.5], [0.5, 7.5]]),
+        (0.006, [[1.5, 7.5]]),
+    ]
+
+
+def test_events_tell_polarity_and_cause(reading: Reading) -> None:
+    classes = reading.values("/world/camera/events", "Points2D:class_ids")
+    assert classes == [[1, 0, class_id(Cause.SHOT, on=True), 1], [0]]
+    legend = reading.static("/world/camera/events", "AnnotationContext:context")[0]
+    labels = {entry["class_id"]: entry["class_description"]["info"]["label"] for entry in legend}
+    assert len(labels) == 2 * len(Cause)
+    assert [labels[k] for k in classes[0]] == ["ON", "OFF", "ON, shot", "ON"]
+
+
+def test_event_rates_have_a_row_every_millisecond(reading: Reading, crossing: Crossing) -> None:
+    on, off, noise = (
+        dict(reading.rows(f"/event_rate/{kind}", "Scalars:scalars"))
+        for kind in ("on", "off", "noise")
+    )
+    assert len(on) == crossing.duration_us // 1000 + 2
+    assert (on[0.001], on[0.002], on[0.006]) == ([0.0], [3.0], [0.0])
+    assert (off[0.002], off[0.006], noise[0.002]) == ([1.0], [1.0], [1.0])
+
+
+def test_responses_and_decisions_are_there(reading: Reading) -> None:
+    hs = reading.rows("/response/hs", "Scalars:scalars")
+    assert hs == [(0.01, [0.0]), (0.02, [0.5]), (0.03, [0.75])]
+    assert reading.values("/response/vs", "Scalars:scalars") == [[-0.25]] * 3
+    decisions = reading.rows("/direction/fly", "StateChange:state")
+    assert decisions == [(0.01, [""]), (0.02, ["right"])]
+
+
+def test_the_true_direction_and_velocity_are_there(reading: Reading, crossing: Crossing) -> None:
+    omega_rad_s = crossing.config.omega_rad_s
+    assert reading.values("/direction/truth", "StateChange:state") == [[""], ["up"]]
+    angular = reading.values("/velocity/angular", "Scalars:scalars")
+    assert angular[-1] == pytest.approx([omega_rad_s], rel=1e-4)
+    downward = reading.values("/velocity/image/y", "Scalars:scalars")
+    assert downward[-1] == pytest.approx([-omega_rad_s * crossing.intrinsics.focal_px], rel=1e-4)
+
+
+def test_the_mask_box_and_centroid_show_the_target_while_it_is_seen(reading: Reading) -> None:
+    truth = "/world/camera/truth"
+    assert reading.values(f"{truth}/box", "Boxes2D:centers") == [[], [[120.0, 135.0]]]
+    assert reading.values(f"{truth}/box", "Boxes2D:half_sizes") == [[], [[20.0, 15.0]]]
+    assert reading.values(f"{truth}/centroid", "Points2D:positions") == [[], [[120.0, 135.0]]]
+    masks = [v[0] for v in reading.values(f"{truth}/mask", "SegmentationImage:buffer")]
+    assert [sum(mask) for mask in masks] == [0, 40 * 30]
+
+
+def test_attention_is_drawn_in_sensor_pixels(reading: Reading) -> None:
+    fly = "/world/camera/fly"
+    assert reading.values(f"{fly}/roi", "Boxes2D:centers") == [[], *[[[120.0, 120.0]]] * 2]
+    assert reading.values(f"{fly}/view_centre", "Points2D:positions") == [[[120.0, 130.0]]] * 3
+
+
+def test_maps_are_scaled_onto_the_sensor_and_to_a_common_brightness(reading: Reading) -> None:
+    for entity in (SALIENCY, SURFACE_ON, SURFACE_OFF, *MOTION):
+        assert reading.static(f"/{entity}", "Transform3D:scale") == [[CELL_PX, CELL_PX, 1.0]]
+        assert len(reading.rows(f"/{entity}", "DepthImage:buffer")) == 2
+    brightest = {
+        entity: reading.static(f"/{entity}", "DepthImage:depth_range")[0][1]
+        for entity in (SALIENCY, SURFACE_ON, SURFACE_OFF, *MOTION)
+    }
+    assert brightest[SURFACE_ON] == brightest[SURFACE_OFF] == 1.0
+    assert {brightest[entity] for entity in MOTION} == {0.5}
+
+
+def test_maps_keep_their_values(reading: Reading) -> None:
+    (_, seen) = reading.values(f"/{MOTION[1]}", "DepthImage:buffer")
+    left = np.array(seen[0], np.uint8).view(np.float16)
+    np.testing.assert_array_equal(left, np.full(87 * 116, 0.25))
+
+
+def test_frames_keep_their_levels_and_come_at_the_end_of_exposure(reading: Reading) -> None:
+    ((t_s, buffer),) = reading.rows("/world/camera/aps", "Image:buffer")
+    assert t_s == 0.0072
+    np.testing.assert_array_equal(np.array(buffer[0], np.uint8).view(np.uint16), 680)
+
+
+def test_the_preview_keeps_its_colours_and_covers_the_sensor(reading: Reading) -> None:
+    ((_, blob),) = reading.rows("/world/camera/preview", "EncodedImage:blob")
+    bgr = cv2.imdecode(np.array(blob[0], np.uint8), cv2.IMREAD_COLOR)
+    assert bgr is not None
+    np.testing.assert_allclose(bgr[100, 100], [50, 100, 200], atol=4)
+    assert reading.static("/world/camera/preview", "Transform3D:scale") == [[0.5, 0.5, 1.0]]
+
+
+def test_the_camera_projects_as_the_simulators_does(reading: Reading, crossing: Crossing) -> None:
+    camera = "/world/camera"
+    position = np.array(reading.static(camera, "Transform3D:translation")[0])
+    axes = np.array(reading.static(camera, "Transform3D:mat3x3")[0]).reshape(3, 3).T
+    pinhole = np.array(reading.static(camera, "Pinhole:image_from_camera")[0]).reshape(3, 3).T
+    points_m = np.array([[0.0, 0.0, 1.0], [2.0, -0.9, 0.3], [-3.0, 4.0, 2.0]])
+    homogeneous = (points_m - position) @ axes @ pinhole.T
+    expected_px, _ = project(points_m, crossing.scene.pose, crossing.intrinsics)
+    np.testing.assert_allclose(homogeneous[:, :2] / homogeneous[:, 2:], expected_px, atol=0.01)
+
+
+def test_the_vehicle_moves_and_its_wheels_turn(reading: Reading, crossing: Crossing) -> None:
+    start, middle = reading.values("/world/vehicle/sedan", "Transform3D:translation")
+    assert middle[0] == pytest.approx([0, 0, 0], abs=1e-3)
+    assert start[0] == pytest.approx([crossing.position_m(0), 0, 0], abs=1e-3)
+    wheel = reading.values("/world/vehicle/wheel_rear_left", "Transform3D:mat3x3")
+    assert np.abs(np.subtract(*wheel)).max() > 0.1
+
+
+def test_every_body_has_a_mesh(reading: Reading) -> None:
+    for entity in ("/world/street", "/world/vehicle/sedan", "/world/vehicle/wheel_front_left"):
+        vertices = reading.static(entity, "Mesh3D:vertex_positions")
+        assert len(vertices) == len(reading.static(entity, "Mesh3D:vertex_colors")) > 100
+
+
+def test_parameters_are_properties_of_the_recording(reading: Reading) -> None:
+    assert reading.static("/__properties/run", "seed") == [3.0]
+    assert reading.static("/__properties/crossing", "lighting") == ["day"]
+    assert reading.static("/__properties/crossing", "lux") == [3e4]
+    assert reading.static("/__properties/crossing", "noise") == [True]
+
+
+def test_there_is_one_time_line_and_one_blueprint(path: Path, reading: Reading) -> None:
+    assert {name for chunk in reading.chunks for name in chunk.timeline_names} == {"time"}
+    assert len(rr.chunk.RrdReader(path).blueprints()) == 1
+
+
+def test_nothing_logged_still_makes_a_whole_file(crossing: Crossing, tmp_path: Path) -> None:
+    file = tmp_path / "empty.rrd"
+    with Recorder(file, crossing=crossing, parameters={}):
+        pass
+    rates = Reading(file).values("/event_rate/on", "Scalars:scalars")
+    assert set(map(tuple, rates)) == {(0.0,)}
+
+
+def test_a_file_that_cannot_be_written_is_an_error(crossing: Crossing, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        Recorder(tmp_path / "nowhere" / "a.rrd", crossing=crossing, parameters={})
