@@ -42,9 +42,10 @@ class FlyConfig:
             0.1: drawn noise of 0.1 to 20 Hz a pixel with hot pixels reaches 0.10, cars at 350 px/s
             reach 0.3 to 2 (assumed).
         response_scale: response per grid cell that the sigmoid scales by. One value by day and by
-            night: a drawn car at 350 px/s answers with 0.64, at 790 px/s with 0.99 (assumed).
-        floor: least strength that counts as motion. 0.004 is a response of 20, above the 14 that
-            drawn noise of 10 Hz a pixel reaches without attention (assumed).
+            night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, faster and
+            slower than any that is judged on, have medians of 0.19, 0.36, 0.86 and 0.92 (assumed).
+        floor: least strength that counts as motion. 0.00033 is a response of 20, above the 14
+            that drawn noise of 10 Hz a pixel reaches without attention (assumed).
         quiet_limit_us: how long after the last event estimates go on [µs]. Assumed: 60 s, far
             beyond any crossing, and 6000 estimates at most.
 
@@ -70,8 +71,8 @@ class FlyConfig:
     roi_share: float = 0.1
     saliency_radius_cells: int = 8
     saliency_floor: float = 0.1
-    response_scale: float = 0.25
-    floor: float = 0.004
+    response_scale: float = 3.0
+    floor: float = 0.00033
     quiet_limit_us: int = 60_000_000
 
     @property
