@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from detector.correlation import DOWN, LEFT, RIGHT, UP
 from detector.fly_config import FlyConfig
@@ -28,8 +27,8 @@ def saliency_map(on: F32, off: F32, *, radius: int) -> F32:
     Returns:
         (rows, columns) float32; outside the grid counts as 0.
     """
-    smoothed: F32 = _box_mean(on + off, radius)
-    return smoothed
+    side = 2 * radius + 1
+    return np.asarray(cv2.blur(on + off, (side, side), borderType=cv2.BORDER_CONSTANT), np.float32)
 
 
 def most_salient(saliency: F32) -> tuple[int, int]:
@@ -166,23 +165,3 @@ class ViewCentre:
         steering = steering_response(motion, position, g_m=c.g_m, g_p=c.g_p)
         delayed = delayed_steering(steering, self._steered[0][axis], alpha=c.alpha)
         return shift_towards(error, delayed)
-
-
-@njit(cache=True)
-def _box_mean(values: Any, radius: int) -> Any:
-    rows, columns = values.shape
-    table = np.zeros((rows + 1, columns + 1))
-    for y in range(rows):
-        along = 0.0
-        for x in range(columns):
-            along += values[y, x]
-            table[y + 1, x + 1] = table[y, x + 1] + along
-    mean = np.empty_like(values)
-    area = (2 * radius + 1) ** 2
-    for y in range(rows):
-        above, below = max(y - radius, 0), min(y + radius + 1, rows)
-        for x in range(columns):
-            left, right = max(x - radius, 0), min(x + radius + 1, columns)
-            strip = table[below, right] - table[above, right]
-            mean[y, x] = (strip - table[below, left] + table[above, left]) / area
-    return mean
