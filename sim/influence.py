@@ -18,18 +18,22 @@ BEAM_REACH_M = 30.0
 """Farther ahead, dipped beams add less than the sky's light to what is in view."""
 BEAM_HEIGHT_M = 0.75
 """Dipped beams light nothing above their lamps."""
-BEAM_HALF_WIDTH_M = 4.5
-"""Across the road, the cone at the far end of what is in view."""
+BEAM_HALF_WIDTH_M = 2.8
+"""Across the road, what the cones reach by the far edge of what is in view."""
 
 Points = npt.NDArray[np.float64]
 
 
 def influence_window(scene: Scene, position_m: float, intrinsics: Intrinsics) -> Window | None:
     """The window that a vehicle at `position_m` can change; None where it can change nothing."""
-    points = _body_and_shadows(scene, position_m)
-    if scene.has_beams:
-        points = np.concatenate([points, _beam(scene, position_m)])
-    return _bounds(points, scene, intrinsics)
+    body = body_window(scene, position_m, intrinsics)
+    if not scene.has_beams:
+        return body
+    beam = _bounds(_beam(scene, position_m), scene, intrinsics)
+    if body is None or beam is None:
+        return body or beam
+    (x0, y0, x1, y1), (u0, v0, u1, v1) = body, beam
+    return min(x0, u0), min(y0, v0), max(x1, u1), max(y1, v1)
 
 
 def body_window(scene: Scene, position_m: float, intrinsics: Intrinsics) -> Window | None:
