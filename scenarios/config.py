@@ -42,7 +42,7 @@ class RunConfig:
 
     def parameters(self) -> dict[str, object]:
         """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""
-        return dict(_flat(asdict(self)))
+        return dict(_flat(asdict(self) | {"crossing": self.crossing.resolved()}))
 
 
 def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:

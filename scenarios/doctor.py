@@ -8,7 +8,7 @@ import statistics
 import sys
 import time
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 
 from rich.console import Console
 from rich.table import Table
@@ -31,14 +31,14 @@ class Doctor:
         table.add_row("python", f"{platform.python_version()} on {platform.platform()}")
         table.add_row("processors", str(os.cpu_count()))
         for name in _LIBRARIES:
-            table.add_row(name, _version(name))
+            table.add_row(name, version(name))
         devices = vulkan_devices()
         for device in devices:
             kind = "software" if device.is_software else "hardware"
             table.add_row("Vulkan device", f"{device.name} ({kind})")
         missing = sys.platform.startswith("linux") and not devices
         if not missing:
-            fps = luminance_frames_per_second()
+            fps = luminance_frames_per_second(FRAMES)
             table.add_row("luminance frames", f"{fps:.1f} per second (346×260, 2×2 supersampled)")
         Console().print(table)
         if missing:
@@ -48,7 +48,7 @@ class Doctor:
         return 0
 
 
-def luminance_frames_per_second(frames: int = FRAMES) -> float:
+def luminance_frames_per_second(frames: int) -> float:
     """Rate at which whole 346×260 frames of the street by day are drawn, from the median time."""
     crossing = Crossing(CrossingConfig())
     times_s = []
@@ -58,13 +58,6 @@ def luminance_frames_per_second(frames: int = FRAMES) -> float:
             draw(k * 1000)
             times_s.append(time.perf_counter() - start)
     return 1 / statistics.median(times_s[1:])
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "missing"
 
 
 if __name__ == "__main__":

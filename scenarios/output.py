@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +11,13 @@ from pathlib import Path
 
 from scenarios.errors import OutputError
 
+RECORDING = "recording.rrd"
+EVENTS = "events.h5"
+TRUTH = "truth.csv"
+ESTIMATES = "estimates.csv"
 SUMMARY = "summary.json"
+FILES = frozenset({RECORDING, EVENTS, TRUTH, ESTIMATES, SUMMARY})
+"""All that a run writes."""
 GENERATOR = "flybench"
 
 
@@ -20,18 +25,25 @@ def check_output(folder: Path) -> None:
     """Refuse an output folder that is somebody else's, before any work is done.
 
     Raises:
-        OutputError: it exists and is no run of ours, or cannot be made.
+        OutputError: it exists and holds anything but an earlier run, or cannot be made.
     """
-    if folder.exists() and not _is_ours(folder):
+    folder = folder.resolve()
+    if folder == Path.cwd() or folder in Path.cwd().parents:
         raise OutputError(
-            f"the output folder {folder} exists and was not written by flybench; allowed is a new "
-            "folder, an empty one or one of an earlier run; choose another with --out"
+            f"the output folder {folder} is the one that you are in, or holds it; allowed is a "
+            "folder of its own, which can be replaced whole; choose one with --out"
         )
     parent = _nearest_existing(folder)
-    if not parent.is_dir() or not os.access(parent, os.W_OK):
+    if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
         raise OutputError(
             f"the output folder {folder} cannot be made, since {parent} cannot be written to; "
             "choose another with --out"
+        )
+    if folder.exists() and not _is_ours(folder):
+        raise OutputError(
+            f"the output folder {folder} exists and holds what was not written by flybench; "
+            "allowed is a new folder, an empty one or one of an earlier run; choose another with "
+            "--out"
         )
 
 
@@ -43,30 +55,39 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         OutputError: as `check_output` does.
     """
     check_output(folder)
+    folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-    work.chmod(0o755)
-    try:
+    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as scratch:
+        work = Path(scratch) / "new"
+        work.mkdir()
         yield work
-        if folder.exists():
-            shutil.rmtree(folder)
-        work.replace(folder)
+        _replace(folder, work, aside=Path(scratch) / "old")
+
+
+def _replace(folder: Path, work: Path, aside: Path) -> None:
+    """Put `work` in `folder`'s place; what was there goes aside, and comes back on a failure."""
+    had_one = folder.exists()
+    if had_one:
+        folder.rename(aside)
+    try:
+        work.rename(folder)
     except BaseException:
-        shutil.rmtree(work, ignore_errors=True)
+        if had_one:
+            aside.rename(folder)
         raise
 
 
 def _is_ours(folder: Path) -> bool:
-    if not folder.is_dir():
-        return False
-    if not any(folder.iterdir()):
-        return True
+    """Whether a folder is empty, or holds a run and nothing else."""
     try:
+        names = {path.name for path in folder.iterdir()}
+        if not names:
+            return True
         summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
-    return isinstance(summary, dict) and summary.get("generator") == GENERATOR
+    return names <= FILES and isinstance(summary, dict) and summary.get("generator") == GENERATOR
 
 
 def _nearest_existing(folder: Path) -> Path:
-    return next(parent for parent in folder.absolute().parents if parent.exists())
+    return next(parent for parent in folder.parents if parent.exists())

@@ -29,6 +29,10 @@ class Step:
     estimates: list[MotionEstimate]
 
 
+TOTAL = "total"
+"""The stage that holds all others."""
+
+
 class Stopwatch:
     """Wall time by stage [s]."""
 
@@ -69,6 +73,11 @@ def make_crossing(config: RunConfig) -> Crossing:
     return Crossing(
         config.crossing, Intrinsics(width=config.sensor.width, height=config.sensor.height)
     )
+
+
+def make_fly(config: RunConfig) -> FlyDetector:
+    """The detector of `config`, for a sensor of its size."""
+    return FlyDetector(config.fly, width=config.sensor.width, height=config.sensor.height)
 
 
 def run_steps(

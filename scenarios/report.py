@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import shutil
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+
+from scenarios.output import GENERATOR, RECORDING
+from scenarios.pipeline import TOTAL
+from scenarios.terminal import has_display
 
 Summaries = Sequence[tuple[Path, dict[str, Any]]]
 
@@ -26,12 +34,20 @@ def print_runs(runs: Summaries) -> None:
             table.add_section()
     console.print(table)
     for folder, _ in runs:
-        console.print(
-            f"{folder / 'recording.rrd'}   open it with: flybench view {folder}", soft_wrap=True
-        )
+        line = f"{folder / RECORDING}   open it with: {view_command(folder)}"
+        console.print(line, soft_wrap=True, markup=False)
 
 
 _SECTION_ENDS = ("image speed", "hot pixels", "GRMS")
+
+
+def view_command(folder: Path) -> str:
+    """What to type to look at a run: the command as it can be called from here."""
+    program = Path(sys.argv[0])
+    on_path = shutil.which(GENERATOR) is not None or program.name != GENERATOR
+    name = GENERATOR if on_path else os.path.relpath(program)
+    way = "" if has_display() else " --web"
+    return f"{shlex.quote(name)} view {shlex.quote(str(folder))}{way}"
 
 
 def _rows(summary: dict[str, Any]) -> dict[str, str]:
@@ -64,21 +80,24 @@ def _fly(summary: dict[str, Any]) -> dict[str, str]:
     latency, after = fly["latency_ms"], fly["accuracy_after_100ms"]
     return {
         "the fly's verdict": fly["direction"],
-        "right steps in view": f"{_percent(fly['accuracy'])} of {fly['steps_in_view']}",
-        "after 100 ms in view": _percent(after),
+        "right steps in view": f"{percent(fly['accuracy'])} of {fly['steps_in_view']}",
+        "after 100 ms in view": percent(after),
         "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
-        "GRMS": _number(fly["grms"]),
+        "GRMS": number(fly["grms"]),
     }
 
 
 def _wall(wall_s: dict[str, float]) -> dict[str, str]:
-    rows = {f"time to {name}": f"{seconds:.1f} s" for name, seconds in wall_s.items()}
-    return rows | {"in all": f"{sum(wall_s.values()):.1f} s"}
+    stages = {name: seconds for name, seconds in wall_s.items() if name != TOTAL}
+    rows = {f"time to {name}": f"{seconds:.1f} s" for name, seconds in stages.items()}
+    return rows | {"in all": f"{wall_s[TOTAL]:.1f} s"}
 
 
-def _percent(share: float | None) -> str:
+def percent(share: float | None) -> str:
+    """A share as a percentage; None is a share of nothing."""
     return "no step" if share is None else f"{100 * share:.0f} %"
 
 
-def _number(value: float | None) -> str:
+def number(value: float | None) -> str:
+    """Three digits; None is a figure that needs more steps than there were."""
     return "no step" if value is None else f"{value:.3g}"

@@ -16,11 +16,11 @@ from scenarios.report import print_runs
 from scenarios.sequence import run_sequence
 from scenarios.terminal import progress_bar, script
 from sim import CrossingConfig, Direction, Lighting, Profile, omega_from_speed
-from sim.config import DISTANCE_M
+from sim.config import DISTANCE_M, PAPER_OMEGA_RAD_S
 
 LOGS = Path("logs")
-PAPER_OMEGA_RAD_S = {Lighting.DAY: 1.61, Lighting.NIGHT: 1.42}
-"""40 km/h, the second of the paper's four speeds."""
+SECOND_SPEED = 1
+"""Of the paper's four: 40 km/h."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class Run:
     """Of everything random."""
     noise: bool = True
     """Whether the sensor has leak, shot noise, hot pixels and noisy frames."""
+    lead_s: float = 0.15
+    """How long the sequence lasts before the vehicle comes, and after it has gone [s]."""
     step_px: float = 0.5
     """The farthest that anything may move in the image between two samples [px]."""
     supersample: int = 2
@@ -67,6 +69,7 @@ class Run:
             profile=Profile(self.profile),
             distance_m=self.distance_m,
             illuminance_lux=self.illuminance_lux,
+            lead_s=self.lead_s,
             step_px=self.step_px,
             supersample=self.supersample,
         )
@@ -87,7 +90,8 @@ class Run:
 
     def _omega(self, lighting: Lighting) -> float:
         if self.speed_km_h is None:
-            return PAPER_OMEGA_RAD_S[lighting] if self.omega is None else self.omega
+            default = PAPER_OMEGA_RAD_S[lighting][SECOND_SPEED]
+            return default if self.omega is None else self.omega
         if self.omega is not None:
             raise ScenarioError(
                 f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}; allowed is one of "

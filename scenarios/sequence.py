@@ -12,8 +12,16 @@ from detector.estimate import MotionEstimate
 from detector.fly import FlyDetector
 from scenarios.config import RunConfig
 from scenarios.eventfile import DsecWriter
-from scenarios.output import SUMMARY, whole_folder
-from scenarios.pipeline import Step, Stopwatch, ViewSpan, make_crossing, run_steps
+from scenarios.output import ESTIMATES, EVENTS, RECORDING, SUMMARY, TRUTH, whole_folder
+from scenarios.pipeline import (
+    TOTAL,
+    Step,
+    Stopwatch,
+    ViewSpan,
+    make_crossing,
+    make_fly,
+    run_steps,
+)
 from scenarios.recording.recorder import Recorder
 from scenarios.summary import EventTally, summarise
 from scenarios.tables import ESTIMATE_COLUMNS, TRUTH_COLUMNS, estimate_row, truth_row, write_table
@@ -44,22 +52,25 @@ def run_sequence(
         OutputError: the folder is somebody else's, or cannot be made.
         RendererError: this machine cannot render.
     """
-    crossing = make_crossing(config)
+    watch = Stopwatch()
     with whole_folder(folder) as work:
-        summary = _run_into(work, config, crossing, progress)
+        with watch.stage(TOTAL):
+            summary = _run_into(work, config, watch, progress)
+        summary["wall_s"] = {name: round(seconds, 3) for name, seconds in watch.wall_s.items()}
         text = json.dumps(summary, indent=2)
         (work / SUMMARY).write_text(text + "\n", encoding="utf-8")
     return summary
 
 
-def _run_into(work: Path, config: RunConfig, crossing: Crossing, progress: Progress) -> Any:
-    watch, tally, fly, view = Stopwatch(), EventTally(), FlyDetector(config.fly), ViewSpan()
+def _run_into(work: Path, config: RunConfig, watch: Stopwatch, progress: Progress) -> Any:
+    crossing, fly = make_crossing(config), make_fly(config)
+    tally, view = EventTally(), ViewSpan()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     size = {"width": config.sensor.width, "height": config.sensor.height}
     with ExitStack() as stack:
-        logger = stack.enter_context(_Logger(work / "recording.rrd", config, crossing))
-        events = stack.enter_context(DsecWriter(work / "events.h5", **size))
+        logger = stack.enter_context(_Logger(work / RECORDING, config, crossing))
+        events = stack.enter_context(DsecWriter(work / EVENTS, **size))
         for step in run_steps(config, crossing, fly, watch):
             with watch.stage("record"):
                 events.write(step.output.events)
@@ -69,9 +80,9 @@ def _run_into(work: Path, config: RunConfig, crossing: Crossing, progress: Progr
             estimates += step.estimates
             truth_rows.append(truth_row(step.sample.truth))
             progress(step.sample.t_us, crossing.duration_us)
-    write_table(work / "truth.csv", TRUTH_COLUMNS, truth_rows)
-    write_table(work / "estimates.csv", ESTIMATE_COLUMNS, map(estimate_row, estimates))
-    return summarise(config, crossing, tally, estimates, view.span_us, watch.wall_s)
+    write_table(work / TRUTH, TRUTH_COLUMNS, truth_rows)
+    write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
+    return summarise(config, crossing, tally, estimates, view.span_us)
 
 
 class _Logger:

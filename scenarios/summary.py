@@ -17,10 +17,19 @@ from emulator import Cause, SensorOutput
 from scenarios.config import RunConfig
 from scenarios.output import GENERATOR
 from sim import Crossing
+from sim.vulkan import vulkan_devices
 
 SETTLING_US = 100_000
 """After this long in view a direction is due: two windows of the paper's Δt."""
-_LIBRARIES = ("flybench", "mujoco", "numpy", "numba", "rerun-sdk")
+_LIBRARIES = (
+    "flybench",
+    "mujoco",
+    "numpy",
+    "numba",
+    "opencv-python-headless",
+    "h5py",
+    "rerun-sdk",
+)
 
 
 @dataclass
@@ -50,9 +59,8 @@ def summarise(
     tally: EventTally,
     estimates: Sequence[MotionEstimate],
     in_view_us: tuple[int, int],
-    wall_s: dict[str, float],
 ) -> dict[str, Any]:
-    """Everything about a run that is not an array, ready for JSON.
+    """Everything about a run that is not an array, ready for JSON, but for its wall time.
 
     Args:
         config: the run.
@@ -60,18 +68,17 @@ def summarise(
         tally: its events.
         estimates: all that the fly said.
         in_view_us: when the target was first and last in view [µs].
-        wall_s: wall time by stage [s].
     """
     return {
         "generator": GENERATOR,
-        "parameters": asdict(config),
+        "parameters": asdict(config) | {"crossing": config.crossing.resolved()},
         "seed": config.seed,
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in _LIBRARIES},
+        "devices": [device.name for device in vulkan_devices()],
         "truth": _truth(config, crossing, in_view_us),
         "events": tally.summary(),
         "fly": judge(estimates, config.crossing.direction, in_view_us),
-        "wall_s": {name: round(seconds, 3) for name, seconds in wall_s.items()},
     }
 
 

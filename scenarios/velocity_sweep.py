@@ -13,18 +13,13 @@ from typing import Any, Literal
 from rich.console import Console
 from rich.table import Table
 
-from detector.fly import FlyDetector
 from scenarios.config import RunConfig
-from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, run_steps
+from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, make_fly, run_steps
+from scenarios.report import number, percent
 from scenarios.summary import judge
 from scenarios.terminal import Bar, progress_bar, script
 from sim import CrossingConfig, Direction, Lighting
-
-PAPER_OMEGAS_RAD_S = {
-    Lighting.DAY: (1.21, 1.61, 2.01, 2.42),
-    Lighting.NIGHT: (1.07, 1.42, 1.78, 2.14),
-}
-"""The paper, Section III."""
+from sim.config import PAPER_OMEGA_RAD_S
 
 
 @dataclass(frozen=True)
@@ -54,7 +49,7 @@ class VelocitySweep:
 
     def _configs(self) -> Iterator[RunConfig]:
         lighting = Lighting(self.lighting)
-        for omega in self.omegas or PAPER_OMEGAS_RAD_S[lighting]:
+        for omega in self.omegas or PAPER_OMEGA_RAD_S[lighting]:
             crossing = CrossingConfig(
                 lighting=lighting,
                 omega_rad_s=omega,
@@ -66,7 +61,7 @@ class VelocitySweep:
 
 def sweep_row(config: RunConfig, progress: Bar) -> tuple[str, ...]:
     """Run one sequence without recording it; its row of the table."""
-    crossing, fly = make_crossing(config), FlyDetector(config.fly)
+    crossing, fly = make_crossing(config), make_fly(config)
     advance = progress.track(config.name)
     view = ViewSpan()
     estimates = []
@@ -82,9 +77,9 @@ def sweep_row(config: RunConfig, progress: Bar) -> tuple[str, ...]:
         f"{speed:.0f} px/s",
         config.crossing.direction.value,
         found["direction"],
-        f"{100 * (found['accuracy'] or 0):.0f} %",
+        percent(found["accuracy"]),
         "never" if latency is None else f"{latency:.0f} ms",
-        f"{found['grms'] or 0:.3g}",
+        number(found["grms"]),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -12,10 +11,9 @@ from typing import Annotated
 import tyro
 
 from scenarios.errors import ScenarioError
+from scenarios.output import RECORDING
 from scenarios.recording.screenshot import screenshot
-from scenarios.terminal import script
-
-RECORDING = "recording.rrd"
+from scenarios.terminal import has_display, script
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class View:
             screenshot(recording, self.screenshot, at_s=self.at_s)
             print(f"wrote {self.screenshot}")
             return 0
-        if not self.web and not _has_display():
+        if not self.web and not has_display():
             raise ScenarioError(
                 "there is no display to open a window on; use --web to serve the recording to a "
                 "browser, or --screenshot FILE.png for a picture"
@@ -60,12 +58,6 @@ def find_recording(path: Path) -> Path:
             "an .rrd file; make one with: flybench run"
         )
     return recording
-
-
-def _has_display() -> bool:
-    if not sys.platform.startswith("linux"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 if __name__ == "__main__":

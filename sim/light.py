@@ -13,6 +13,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.errors import SceneConfigError
+
 SKY_SHARE = 0.25
 """Part of a clear day's horizontal illuminance that comes from the sky, not the sun (assumed)."""
 SUN_ELEVATION_RAD, SUN_AZIMUTH_RAD = math.radians(48), math.radians(-30)
@@ -22,6 +24,10 @@ NIGHT_SKY_CD_M2 = 0.01
 
 LAMP_CUTOFF_DEG, LAMP_SOFTNESS = 75.0, 0.3
 """A street lamp's cone, and the outer part of it over which its light fades (assumed)."""
+LAMP_RANGE_M = 60.0
+"""Where Filament lets a lamp's light end: far beyond what is in view (assumed)."""
+HEAD_LAMP_SOFTNESS = 0.8
+"""Part of a beam over which its light fades (assumed)."""
 HEAD_LAMP_CD, HEAD_LAMP_CUTOFF_DEG, HEAD_LAMP_DIP = 8_000.0, 12.0, 0.21
 """Dipped beam: candela, cone, and slope below the horizontal, steep enough that nothing above the
 lamp is lit (assumed; UNECE R112 allows a passing beam no more than 44 kcd)."""
@@ -75,7 +81,7 @@ def add_night(
             intensity=candela,
             cutoff=LAMP_CUTOFF_DEG,
             softness=LAMP_SOFTNESS,
-            range=60,
+            range=LAMP_RANGE_M,
             castshadow=True,
         )
     _add_sky(spec, NIGHT_SKY_CD_M2)
@@ -92,8 +98,8 @@ def add_head_lamps(body: mujoco.MjsBody, positions_m: npt.NDArray[np.float64]) -
             diffuse=WHITE,
             intensity=HEAD_LAMP_CD,
             cutoff=HEAD_LAMP_CUTOFF_DEG,
-            softness=0.8,
-            range=60,
+            softness=HEAD_LAMP_SOFTNESS,
+            range=LAMP_RANGE_M,
             castshadow=False,
         )
 
@@ -111,10 +117,21 @@ def sun_direction() -> npt.NDArray[np.float64]:
 
 
 def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:
-    """Horizontal illuminance at the origin of lamps of one candela each [lux]: Σ cos³θ / h²."""
+    """Horizontal illuminance at the origin of lamps of one candela each [lux]: Σ cos³θ / h².
+
+    Raises:
+        SceneConfigError: a lamp lights the origin with the rim of its cone, where light fades.
+    """
     height, reach = lamps_m[:, 2], np.linalg.norm(lamps_m, axis=1)
     cosine = height / reach
-    full = np.degrees(np.arccos(cosine)) <= LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS)
+    angle_deg = np.degrees(np.arccos(cosine))
+    full = angle_deg <= LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS)
+    if (fading := ~full & (angle_deg < LAMP_CUTOFF_DEG)).any():
+        raise SceneConfigError(
+            f"a street lamp at {lamps_m[fading][0].tolist()} m lights the origin with the fading "
+            f"rim of its cone; allowed is up to {LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS):g}° from "
+            f"straight down, or beyond {LAMP_CUTOFF_DEG:g}°; move the lamp"
+        )
     return float(np.sum(full * cosine**3 / height**2))
 
 

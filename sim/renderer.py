@@ -33,6 +33,7 @@ LENS_BLUR_PX = 0.35
 NO_SHADOW_GROUP = 2
 """Geoms of this group cast no shadow: the shadow pass costs by the piece."""
 NEAR_M, FAR_M = 0.05, 120.0
+"""Clipping planes: before the lens, and beyond the street's ends (assumed)."""
 _BLUR_MARGIN_PX = 2
 
 Window = tuple[int, int, int, int]

@@ -19,16 +19,17 @@ ASSETS = Path(__file__).parent / "assets"
 CAMERA_HEIGHT_M = 1.2
 """Above the road, on a tripod (assumed)."""
 FLANK_M = 0.9
-"""From the vehicle's middle to its flank; `distance_m` is measured to the flank."""
+"""From the vehicle's middle to its flank, as `sedan.xml` has it; `distance_m` is measured to it."""
 WHEEL_RADIUS_M, RIM_RADIUS_M = 0.32, 0.21
-"""A tyre's outer radius, and that of the spokes; the tyre itself bears no mark that turns."""
+"""A tyre's outer radius, and that of the spokes, as `sedan.xml` has them; the tyre itself bears no
+mark that turns."""
 BODY_BOX_M = np.array([[-2.35, -0.92, 0.0], [2.35, 0.92, 1.5]])
-"""Corners of a box around the sedan, in its own frame [m]."""
+"""Corners of a box around the car of `sedan.xml`, in its own frame [m]."""
 PARKED = (
     (-7.4, 6.35, 0.0, (0.05, 0.05, 0.055)),
     (5.6, 6.4, math.pi, (0.25, 0.05, 0.04)),
 )
-"""Parked cars: x [m], y [m], heading [rad], linear colour."""
+"""Parked cars: x [m], y [m], heading [rad], linear colour (assumed)."""
 PREVIEW_LUX = 60_000.0
 """What the preview's eye is adapted to (by eye)."""
 PREVIEW_SKY_RGB = (170, 205, 255)
@@ -97,7 +98,20 @@ class Scene:
 
 
 def build_scene(config: CrossingConfig) -> Scene:
-    """Compose the scene that `config` asks for."""
+    """Compose the scene that `config` asks for, and compile it."""
+    model = compose(config).compile()
+    pose = Pose(np.array([0.0, -(config.distance + FLANK_M), CAMERA_HEIGHT_M]))
+    return Scene(
+        model=model,
+        pose=pose.rolled(_ROLL_RAD[config.direction]),
+        vehicle_geoms=_geoms_of(model, "vehicle/"),
+        heading=-1 if config.direction is Direction.LEFT else 1,
+        config=config,
+    )
+
+
+def compose(config: CrossingConfig) -> mujoco.MjSpec:
+    """Street, parked cars, vehicle and lights, not yet compiled."""
     spec = _street()
     heading = -1 if config.direction is Direction.LEFT else 1
     _park(spec)
@@ -108,15 +122,7 @@ def build_scene(config: CrossingConfig) -> Scene:
         lamps = np.array([site.pos for site in spec.sites if "street_lamp" in site.name])
         light.add_night(spec, config.illuminance, lamps)
         light.set_luminance(spec.material("lamp_lens"), light.STREET_LAMP_CD_M2)
-    pose = Pose(np.array([0.0, -(config.distance + FLANK_M), CAMERA_HEIGHT_M]))
-    model = spec.compile()
-    return Scene(
-        model=model,
-        pose=pose.rolled(_ROLL_RAD[config.direction]),
-        vehicle_geoms=_geoms_of(model, "vehicle/"),
-        heading=heading,
-        config=config,
-    )
+    return spec
 
 
 def preview_model(scene: Scene) -> mujoco.MjModel:

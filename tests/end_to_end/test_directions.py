@@ -2,13 +2,13 @@
 
 import pytest
 
-from detector.fly import FlyDetector
 from scenarios.config import RunConfig
-from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, run_steps
+from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, make_fly, run_steps
 from scenarios.summary import judge
 from sim import CrossingConfig, Direction, Lighting
+from sim.config import PAPER_OMEGA_RAD_S
 
-OMEGA_RAD_S = {Lighting.DAY: 1.61, Lighting.NIGHT: 1.42}
+SECOND_SPEED = 1
 
 
 @pytest.mark.parametrize("direction", list(Direction))
@@ -18,12 +18,12 @@ def test_direction_is_right_in_every_step(lighting: Lighting, direction: Directi
         CrossingConfig(
             lighting=lighting,
             direction=direction,
-            omega_rad_s=OMEGA_RAD_S[lighting],
+            omega_rad_s=PAPER_OMEGA_RAD_S[lighting][SECOND_SPEED],
             step_px=4.0,
             supersample=1,
         )
     )
-    crossing, fly = make_crossing(config), FlyDetector(config.fly)
+    crossing, fly = make_crossing(config), make_fly(config)
     view, estimates = ViewSpan(), []
     for step in run_steps(config, crossing, fly, Stopwatch()):
         view.add(step.sample.truth)

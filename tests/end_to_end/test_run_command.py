@@ -62,9 +62,11 @@ def test_the_summary_is_the_contract(ran: tuple[Path, str]) -> None:
     assert summary["events"]["on"] == np.count_nonzero(events["p"])
     assert summary["events"]["on"] + summary["events"]["off"] == events.size
     assert sum(summary["events"]["by_cause"].values()) == events.size
-    assert set(summary["wall_s"]) == {"render", "emulate", "detect", "record"}
+    assert set(summary["wall_s"]) == {"render", "emulate", "detect", "record", "total"}
     assert summary["seed"] == 7
     assert summary["parameters"]["sensor"]["theta_on"] == 0.18
+    assert summary["parameters"]["crossing"]["distance_m"] == 6.89
+    assert summary["devices"]
     assert summary["parameters"]["fly"]["tau_us"] == 30_000
     assert summary["versions"]["mujoco"].startswith("4.")
 

@@ -8,6 +8,7 @@ from scenarios import doctor, view
 from scenarios.config import RunConfig
 from scenarios.doctor import Doctor
 from scenarios.errors import ScenarioError
+from scenarios.output import RECORDING
 from scenarios.report import print_runs
 from scenarios.run import Run
 from scenarios.terminal import execute
@@ -56,7 +57,7 @@ def test_view_refuses_what_is_no_recording(tmp_path: Path, name: str) -> None:
 
 
 def test_view_finds_the_recording_of_a_run(tmp_path: Path) -> None:
-    recording = tmp_path / view.RECORDING
+    recording = tmp_path / RECORDING
     recording.touch()
     assert view.find_recording(tmp_path) == recording
     assert view.find_recording(recording) == recording
@@ -65,8 +66,8 @@ def test_view_finds_the_recording_of_a_run(tmp_path: Path) -> None:
 def test_view_without_a_display_names_the_other_ways(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (tmp_path / view.RECORDING).touch()
-    monkeypatch.setattr(view, "_has_display", lambda: False)
+    (tmp_path / RECORDING).touch()
+    monkeypatch.setattr(view, "has_display", lambda: False)
     with pytest.raises(ScenarioError, match="--web"):
         view.View(tmp_path).execute()
 
@@ -117,10 +118,17 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
                 "latency_ms": latency_ms,
                 "grms": 1.5,
             },
-            "wall_s": {"render": 1.0, "emulate": 2.0},
+            "wall_s": {"render": 1.0, "emulate": 2.0, "total": 3.5},
         }
 
     print_runs([(Path("logs/a"), summary(50.0)), (Path("logs/b"), summary(None))])
     said = capsys.readouterr().out
-    for words in ("1,234,567", "50 ms after entering", "never", "no step", "logs/b/recording.rrd"):
+    for words in (
+        "1,234,567",
+        "50 ms after entering",
+        "never",
+        "no step",
+        "logs/b/recording.rrd",
+        "3.5 s",
+    ):
         assert words in said

@@ -53,3 +53,33 @@ def test_a_file_in_the_way_is_refused(tmp_path: Path) -> None:
         check_output(tmp_path / "file")
     with pytest.raises(OutputError, match="cannot be made"):
         check_output(tmp_path / "file" / "out")
+
+
+def test_the_folder_that_one_is_in_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inside = tmp_path / "in"
+    inside.mkdir()
+    monkeypatch.chdir(inside)
+    for folder in (Path(), inside, tmp_path):
+        with pytest.raises(OutputError, match="you are in"):
+            check_output(folder)
+
+
+def test_a_link_to_a_folder_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    with whole_folder(tmp_path / "link") as work:
+        (work / "summary.json").write_text(json.dumps({"generator": GENERATOR}))
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real" / "summary.json").exists()
+
+
+def test_an_earlier_run_with_something_added_is_refused(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with whole_folder(out) as work:
+        (work / "summary.json").write_text(json.dumps({"generator": GENERATOR}))
+    check_output(out)
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(OutputError, match="was not written by flybench"):
+        check_output(out)

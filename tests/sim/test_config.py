@@ -1,3 +1,4 @@
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -22,6 +23,9 @@ from sim.config import DISTANCE_M, Lighting
         ("step_px", 0.0),
         ("max_step_ms", 100.0),
         ("supersample", 0),
+        ("supersample", 2.5),
+        ("omega_rad_s", "fast"),
+        ("step_px", True),
     ],
 )
 def test_a_bad_value_is_named_with_what_is_allowed(field: str, value: Any) -> None:
@@ -48,3 +52,11 @@ def test_the_distances_give_the_papers_angular_velocities(
 ) -> None:
     found = [omega_from_speed(v, DISTANCE_M[lighting]) for v in (30, 40, 50, 60)]
     assert found == pytest.approx(omegas, abs=0.01)
+
+
+def test_what_the_lighting_gives_follows_the_lighting() -> None:
+    night = replace(CrossingConfig(), lighting=Lighting.NIGHT)
+    assert night.distance == 7.79
+    assert night.illuminance == 10.0
+    assert night.resolved()["distance_m"] == 7.79
+    assert replace(CrossingConfig(distance_m=5.0), lighting=Lighting.NIGHT).distance == 5.0

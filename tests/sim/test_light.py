@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim import light
+from sim.errors import SceneConfigError
 
 
 def test_the_sun_stands_where_its_angles_say() -> None:
@@ -24,3 +25,8 @@ def test_a_lamp_outside_its_full_cone_does_not_count() -> None:
 def test_luminance_of_white_is_one_and_green_counts_most() -> None:
     assert light.relative_luminance([1, 1, 1, 1]) == pytest.approx(1)
     assert light.relative_luminance([0, 1, 0, 1]) > 0.7
+
+
+def test_a_lamp_that_lights_the_origin_with_its_rim_is_refused() -> None:
+    with pytest.raises(SceneConfigError, match="rim"):
+        light.unit_illuminance(np.array([[10.0, 0.0, 5.0]]))
