@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from detector.correlation import DOWN, LEFT, RIGHT, UP
 from detector.fly_config import FlyConfig
+from detector.region import search_square
 
 F32 = npt.NDArray[np.float32]
 Pair = tuple[float, float]
@@ -31,10 +32,14 @@ def saliency_map(on: F32, off: F32, *, radius: int) -> F32:
     return np.asarray(cv2.blur(on + off, (side, side), borderType=cv2.BORDER_CONSTANT), np.float32)
 
 
-def most_salient(saliency: F32) -> tuple[int, int]:
-    """Cell (x, y) of the maximum (paper, equation 10); the first in reading order among equals."""
-    y, x = divmod(int(np.argmax(saliency)), saliency.shape[1])
-    return x, y
+def most_salient(saliency: F32) -> Pair:
+    """Position of the maximum, (x, y) in cells (paper, equation 10).
+
+    Among equals it is their middle: a lone spot, smoothed by a box, has its maximum all over the
+    box, and any one corner of it would favour a direction.
+    """
+    y, x = np.nonzero(saliency == saliency.max())
+    return float(x.mean()), float(y.mean())
 
 
 def prominence(saliency: F32) -> float:
@@ -66,20 +71,19 @@ def position_response(error: float, *, side: int, cap: float) -> float:
     return math.copysign(math.expm1(exponent), error)
 
 
-def local_motion(maps: F32, centre: Pair, *, reach: int) -> Pair:
+def local_motion(maps: F32, centre: Pair, *, reach: float) -> Pair:
     """Opponent motion ℳ around the view centre over the total (paper, equation 13).
 
     Args:
         maps: T4 + T5, (4, rows, columns) float32.
         centre: view centre [cells].
-        reach: half side of the square that counts as local [cells].
+        reach: half side of the square that counts as local, the search square [cells].
 
     Returns:
         ℳ along x (rightward positive) and y (downward positive), each in [−1, 1]; 0 in silence.
     """
-    x, y = round(centre[0]), round(centre[1])
-    near = maps[:, max(y - reach, 0) : y + reach + 1, max(x - reach, 0) : x + reach + 1]
-    sums = near.sum(axis=(1, 2), dtype=np.float64)
+    rows, columns = search_square(maps.shape[1:], centre, reach=reach)
+    sums = maps[:, rows, columns].sum(axis=(1, 2), dtype=np.float64)
     total = float(sums.sum())
     if total == 0.0:
         return 0.0, 0.0
@@ -153,15 +157,17 @@ class ViewCentre:
             return
         self.is_attending = True
         errors = position_error(most_salient(saliency), self.position)
-        motion = local_motion(maps, self.position, reach=round(self._config.roi_reach_cells))
-        shift = self._shift(0, errors[0], motion[0]), self._shift(1, errors[1], motion[1])
-        self._steered.append(shift)
-        self.position = self.position[0] + shift[0], self.position[1] + shift[1]
+        motion = local_motion(maps, self.position, reach=self._config.roi_reach_cells)
+        steered = self._steer(0, errors[0], motion[0]), self._steer(1, errors[1], motion[1])
+        self._steered.append(steered)
+        self.position = (
+            self.position[0] + shift_towards(errors[0], steered[0]),
+            self.position[1] + shift_towards(errors[1], steered[1]),
+        )
 
-    def _shift(self, axis: int, error: float, motion: float) -> float:
-        """Way to go along one axis [cells]; what was gone one Δt ago stands for Γ̂(t − Δt)."""
+    def _steer(self, axis: int, error: float, motion: float) -> float:
+        """Γ̂(t) along one axis [cells]."""
         c = self._config
         position = position_response(error, side=self._sides[axis], cap=c.exponent_cap)
         steering = steering_response(motion, position, g_m=c.g_m, g_p=c.g_p)
-        delayed = delayed_steering(steering, self._steered[0][axis], alpha=c.alpha)
-        return shift_towards(error, delayed)
+        return delayed_steering(steering, self._steered[0][axis], alpha=c.alpha)

@@ -14,7 +14,7 @@ class DetectorConfigError(DetectorError):
 
 
 class EventOrderError(DetectorError, EventError):
-    """Time went back between two calls.
+    """A time that a stream cannot go on with: it went back, or is no whole number of µs.
 
     It is an `EventError` too: one `except` clause catches every complaint about a stream.
     """

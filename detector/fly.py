@@ -13,7 +13,7 @@ from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.fly_config import FlyConfig
 from detector.region import region_of_interest
-from detector.stream import check_chunk, check_order
+from detector.stream import check_chunk, check_order, whole_time
 from detector.tangential import (
     horizontal_system,
     lobula_plate,
@@ -54,7 +54,7 @@ class FlyDetector:
     """Direction of motion from events, as the fly's optic lobe would (paper, Section II).
 
     Operating range with the default parameters: a drawn car of 200 px is told right in every step
-    from 240 to 790 px/s (noise to 10 Hz a pixel); above, steps go wrong, and below some 100 px/s,
+    from 180 to 790 px/s (noise to 10 Hz a pixel); above, steps go wrong, and below some 100 px/s,
     where an object covers less than the shortest correlation distance, the sign can flip.
 
     It gives an estimate at every whole multiple of the hop from time 0 on. After
@@ -124,8 +124,10 @@ class FlyDetector:
         """Learn that every event before `t_us` was passed; see `Detector.advance`.
 
         Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before.
+            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
+                number.
         """
+        t_us = whole_time(t_us)
         check_order(t_us, self._now_us or 0)
         self._now_us = t_us
         return self._due(t_us)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,20 @@ def check_order(t_us: int, now_us: int) -> None:
             f"time {t_us} µs comes after time {now_us} µs; time must not go back between calls; "
             "pass the chunks in order, or make a new detector for a new stream"
         )
+
+
+def whole_time(t_us: int) -> int:
+    """A time as an int.
+
+    Raises:
+        EventOrderError: `t_us` is not a whole number; NaN above all has no order.
+    """
+    try:
+        return operator.index(t_us)
+    except TypeError:
+        raise EventOrderError(
+            f"the time is {t_us!r}; allowed is a whole number of µs; round it first"
+        ) from None
 
 
 @njit(cache=True)

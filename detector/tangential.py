@@ -18,6 +18,8 @@ def lobula_plate(
 ) -> tuple[float, float, float, float]:
     """Sum of T4 + T5 over the region of interest, by direction (paper, equations 17 and 18).
 
+    A correlation belongs to the region when its pair's midpoint does; see `detector.correlation`.
+
     Args:
         maps: T4 + T5, (4, rows, columns) float32, planes right, left, up, down.
         attended: 𝒜, True inside the region of interest, (rows, columns).

@@ -47,8 +47,10 @@ def test_saliency_is_the_box_mean_of_both_pathways() -> None:
     np.testing.assert_allclose(saliency_map(on, off, radius=2), expected, rtol=1e-5)
 
 
-def test_most_salient_is_x_then_y_and_the_first_among_equals() -> None:
-    assert most_salient(blob(70, 20) + blob(10, 60)) == (70, 20)
+def test_most_salient_is_x_then_y_and_the_middle_among_equals() -> None:
+    assert most_salient(blob(70, 20) + 0.5 * blob(10, 60)) == (70.0, 20.0)
+    spot = saliency_map(blob(70, 20), STILL[0], radius=3)
+    assert most_salient(spot) == (70.0, 20.0)
 
 
 def test_noise_that_is_everywhere_does_not_stand_out() -> None:
@@ -77,6 +79,14 @@ def test_local_motion_is_the_opponent_share_near_the_centre() -> None:
     maps[LEFT, 80, 100] = 50.0
     assert local_motion(maps, (50.0, 40.0), reach=5) == (0.25, 0.0)
     assert local_motion(maps, (10.0, 10.0), reach=5) == (0.0, 0.0)
+
+
+def test_local_motion_reaches_as_far_to_the_left_as_to_the_right() -> None:
+    # Half a cell off the grid, where rounding would prefer one side.
+    maps = STILL.copy()
+    maps[RIGHT, 40, 48], maps[LEFT, 40, 53] = 1.0, 1.0
+    assert local_motion(maps, (50.5, 40.0), reach=2.5) == (0.0, 0.0)
+    assert local_motion(maps, (50.0, 40.0), reach=2.5) == (1.0, 0.0)
 
 
 def test_steering_adds_both_with_their_gains() -> None:
@@ -111,6 +121,20 @@ def test_the_view_centre_approaches_a_near_target_in_steps() -> None:
         distances.append(65.0 - centre.position[0])
     assert distances == sorted(distances, reverse=True)
     assert 0.0 <= distances[-1] < 0.5 * distances[0]
+
+
+def test_steering_is_remembered_whole_however_short_the_step_was() -> None:
+    moving = STILL.copy()
+    moving[RIGHT] = 1.0
+    centre = view_centre()
+    lag = FlyConfig().window_hops
+    for _ in range(lag):
+        # On its target: the step is 0, while motion alone steers by α · g_m = 2.5.
+        centre.update(blob(57, 43), moving)
+    assert centre.position == HOME
+    centre.update(blob(67, 43), moving)
+    gamma = 5.0 + 30.0 * math.expm1((4 * 10 / 116) ** 2)
+    assert centre.position[0] - HOME[0] == pytest.approx(0.5 * gamma + 0.5 * 2.5)
 
 
 def test_motion_towards_the_target_speeds_up_the_approach() -> None:

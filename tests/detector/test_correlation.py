@@ -11,13 +11,30 @@ def surface(seed: int) -> Surface:
     return np.random.default_rng(seed).random((24, 30)).astype(np.float32)
 
 
-def test_rightward_is_equation_9() -> None:
+def test_rightward_is_equation_9_noted_at_the_midpoint() -> None:
     now, delayed = surface(0), surface(1)
     expected = np.zeros((24, 30))
     for i in (4, 8, 12, 16):
-        expected[:, : 30 - i] += delayed[:, : 30 - i] * now[:, i:]
+        expected[:, i // 2 : 30 - i // 2] += delayed[:, : 30 - i] * now[:, i:]
     maps = t4(now, delayed, spacing=4, count=4)
     np.testing.assert_allclose(maps[RIGHT], expected, rtol=1e-5)
+
+
+def test_a_midpoint_between_two_cells_gives_half_to_each() -> None:
+    now, delayed = np.zeros((2, 9, 9), np.float32)
+    delayed[4, 2], now[4, 5] = 2.0, 3.0
+    maps = t4(now, delayed, spacing=3, count=1)
+    assert maps[RIGHT, 4].tolist() == [0, 0, 0, 3, 3, 0, 0, 0, 0]
+    assert maps.sum() == 6.0
+
+
+@pytest.mark.parametrize("spacing", [3, 4])
+@pytest.mark.parametrize(("axis", "swapped"), [(1, [LEFT, RIGHT, UP, DOWN]), (0, [0, 1, 3, 2])])
+def test_mirrored_surfaces_give_mirrored_maps(spacing: int, axis: int, swapped: list[int]) -> None:
+    now, delayed = surface(5), surface(6)
+    maps = t4(now, delayed, spacing=spacing, count=3)
+    mirrored = t4(np.flip(now, axis), np.flip(delayed, axis), spacing=spacing, count=3)
+    np.testing.assert_allclose(mirrored[swapped], np.flip(maps, axis + 1), rtol=1e-5)
 
 
 def test_off_pathway_has_the_same_correlation() -> None:

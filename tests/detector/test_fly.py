@@ -210,6 +210,15 @@ def test_time_cannot_be_moved_back() -> None:
     assert fly.push(at(50_000)) == []
 
 
+def test_a_time_that_is_no_number_is_refused_and_leaves_the_order_checks_on() -> None:
+    fly = FlyDetector()
+    fly.advance(50_000)
+    with pytest.raises(EventError, match="time is nan; allowed is a whole number"):
+        fly.advance(float("nan"))  # type: ignore[arg-type]
+    with pytest.raises(EventError, match="time 40000 µs comes after time 50000 µs"):
+        fly.advance(40_000)
+
+
 @pytest.mark.parametrize("tell_time", [False, True])
 def test_a_gap_of_hours_costs_no_more_than_the_quiet_limit(tell_time: bool) -> None:
     fly = FlyDetector(FlyConfig(quiet_limit_us=1_000_000))
@@ -257,6 +266,33 @@ def test_maps_belong_to_the_last_estimate_and_do_not_change_later() -> None:
     assert maps.motion.shape == (4, 87, 116)
     assert maps.attended.dtype == np.bool_
     assert maps.motion[:, maps.attended].sum() > 0.0
+
+
+@pytest.mark.parametrize("direction", [Direction.RIGHT, Direction.DOWN])
+@pytest.mark.parametrize(("field", "system"), [("x", 0), ("y", 1)])
+def test_a_mirrored_stream_gives_the_opposite_response(
+    direction: Direction, field: str, system: int
+) -> None:
+    # A sensor of whole cells: the grid is its own mirror image.
+    side_px = {"x": 345, "y": 258}
+    events, view_us = crossing(car(150, 45), speed_px_s=518, direction=direction)
+    events = events[(events["x"] < side_px["x"]) & (events["y"] < side_px["y"])]
+    mirrored = events.copy()
+    mirrored[field] = side_px[field] - 1 - events[field]
+    responses = []
+    for stream in (events, mirrored):
+        fly = FlyDetector(width=side_px["x"], height=side_px["y"])
+        found = fly.push(stream) + fly.advance(view_us)
+        responses.append(np.array([e.response for e in found]))
+    responses[1][:, system] *= -1.0
+    assert np.abs(responses[0]).max() > 1000.0
+    np.testing.assert_allclose(responses[1], responses[0], rtol=1e-5, atol=0.01)
+
+
+def test_a_search_square_may_hold_no_cell() -> None:
+    fly = FlyDetector(FlyConfig(roi_radius_px=1), width=348)
+    found = fly.push(busy_stream())
+    assert found
 
 
 def test_a_sensor_smaller_than_a_correlation_distance_is_refused() -> None:

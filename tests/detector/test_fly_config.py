@@ -1,7 +1,12 @@
+import json
+from dataclasses import asdict
+
+import numpy as np
 import pytest
 
 from detector.errors import DetectorConfigError, DetectorError
 from detector.fly_config import FlyConfig
+from detector.histogram import Averaging
 
 
 def test_defaults_are_table_one() -> None:
@@ -21,11 +26,49 @@ def test_defaults_are_table_one() -> None:
         ("alpha", float("nan")),
         ("floor", 0.0),
         ("roi_share", 0.0),
+        ("g_m", float("inf")),
+        ("tau_us", "x"),
+        ("tau_us", None),
+        ("cell_px", 2.5),
+        ("cell_px", 3.0),
+        ("spacings", 2.5),
+        ("spacings", True),
+        ("alpha", True),
+        ("alpha", "0.5"),
+        ("averaging", "mean"),
+        ("averaging", True),
+        ("averaging", ["events"]),
     ],
 )
-def test_a_value_outside_its_range_is_refused_by_name(name: str, value: float) -> None:
+def test_a_value_that_is_not_allowed_is_refused_by_name(name: str, value: object) -> None:
     with pytest.raises(DetectorConfigError, match=f"{name} is .*allowed is .*value is"):
         FlyConfig(**{name: value})  # type: ignore[arg-type]
+
+
+def test_the_refusal_names_the_choices() -> None:
+    sentence = "averaging is 'mean'; allowed is one of 'events', 'area', 'none'; .*'events'"
+    with pytest.raises(DetectorConfigError, match=sentence):
+        FlyConfig(averaging="mean")  # type: ignore[arg-type]
+
+
+def test_what_comes_back_from_json_is_the_same() -> None:
+    for averaging in Averaging:
+        config = FlyConfig(averaging=averaging)
+        again = FlyConfig(**json.loads(json.dumps(asdict(config))))
+        assert again == config
+        assert again.averaging is averaging
+
+
+def test_numbers_of_numpy_become_plain_ones() -> None:
+    config = FlyConfig(cell_px=np.int64(2), g_m=4, alpha=np.float32(0.5))  # type: ignore[arg-type]
+    assert [type(v) for v in (config.cell_px, config.g_m, config.alpha)] == [int, float, float]
+
+
+def test_a_hop_that_would_fill_the_memory_is_refused() -> None:
+    assert FlyConfig(hop_us=100).window_hops == 500
+    sentence = r"hop_us is 1 µs.* into 100000 hops; allowed are 1000.*longer hop"
+    with pytest.raises(DetectorConfigError, match=sentence):
+        FlyConfig(hop_us=1)
 
 
 @pytest.mark.parametrize("name", ["window_us", "delay_us"])

@@ -33,6 +33,11 @@ def test_weak_activity_does_not_join() -> None:
     assert region_of_interest(activity, (10.0, 10.0), reach=8.0, share=0.1).sum() == 9
 
 
+def test_is_empty_where_the_square_holds_no_cell() -> None:
+    activity = np.ones((30, 30), np.float32)
+    assert not region_of_interest(activity, (12.5, 12.5), reach=1 / 3, share=0.1).any()
+
+
 def test_is_empty_where_nothing_is_active_within_reach() -> None:
     activity = np.zeros((30, 30), np.float32)
     activity[25, 25] = 1.0

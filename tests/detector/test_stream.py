@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from detector.errors import DetectorError, EventOrderError
-from detector.stream import check_chunk, check_order
+from detector.stream import check_chunk, check_order, whole_time
 from emulator.errors import EventError
 from emulator.events import EVENT_DTYPE, Events, empty_events
 
@@ -47,6 +47,16 @@ def test_time_that_goes_back_between_calls_is_an_error_of_both_packages() -> Non
         check(make((4, 0, 0, 0)), now_us=5)
     assert isinstance(caught.value, DetectorError)
     assert isinstance(caught.value, EventError)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), 5.0, "5", None])
+def test_refuses_a_time_that_is_no_whole_number(bad: object) -> None:
+    with pytest.raises(EventOrderError, match=f"time is {bad!r}; allowed is a whole number of µs"):
+        whole_time(bad)  # type: ignore[arg-type]
+
+
+def test_a_whole_number_of_numpy_becomes_a_plain_one() -> None:
+    assert type(whole_time(np.int64(5))) is int  # type: ignore[arg-type]
 
 
 def test_the_present_is_in_order() -> None:
