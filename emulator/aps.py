@@ -11,8 +11,12 @@ from emulator._compile import compiled
 from emulator.aps_config import ApsConfig
 
 _STREAM = 1
+
 _EXPOSURE_RATIO_MAX = 8.0
+"""Largest factor by which one frame changes the exposure (assumed: three stops)."""
+
 _METERING_ROUNDS = 12
+"""Meterings before the first frame (assumed): enough to cross the range of exposures twice."""
 
 Image = npt.NDArray[np.float32]
 

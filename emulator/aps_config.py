@@ -1,8 +1,9 @@
 """What the frame part of a DAVIS346 is: every parameter, with its source or the word assumed.
 
 Sources: Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240, the same 18.5 µm pixel);
-APS figures of the DAVIS346 (10 bit, saturation, full well, exposure, 55 dB) are the maker's and
-users' published ones.
+the paper = the one that this bench reproduces (its DAVIS346: up to 40 frames/s, 55 dB).
+The other figures of the DAVIS346 are known to us without a document that we could cite for each:
+they are marked assumed, with what is said of the real camera.
 """
 
 from __future__ import annotations
@@ -32,17 +33,20 @@ class ApsConfig:
         electrons_per_lux_s: photoelectrons per lux on the chip and second. 1.1e16 photons/m² per
             lux·s of daylight (assumed) × 18.5² µm² × fill factor 22 % (Brandli 2014) × quantum
             efficiency 24 % (assumed).
-        full_well_e: electrons at saturation (published: up to 37 ke⁻).
-        saturation_dn: level at saturation (published: 680 DN), so 54 e⁻/DN.
-        read_noise_e: rms noise of a dark pixel [e⁻]: full well over the published 55 dB.
-        noise: whether photon shot noise and read noise are drawn.
-        auto_exposure: whether exposure follows the light; if not it stays at `exposure_us`.
-        exposure_us: exposure without auto-exposure [µs] (published default: 7.2 ms).
+        full_well_e: electrons at saturation (assumed: users report up to 37 ke⁻).
+        saturation_dn: level at saturation (assumed: users report 680 DN of the 10 bits), so
+            54 e⁻/DN.
+        read_noise_e: rms noise of a dark pixel [e⁻]: full well over the 55 dB of the paper.
+        noise: whether photon shot noise and read noise are drawn (the real sensor has both).
+        auto_exposure: whether exposure follows the light (assumed, since the paper saw fewer frames
+            at night); if not it stays at `exposure_us`.
+        exposure_us: exposure without auto-exposure [µs] (assumed: the 7.2 ms that is said to be the
+            default).
         exposure_min_us: shortest automatic exposure [µs] (assumed).
         exposure_max_us: longest automatic exposure [µs] (assumed: 4.9 frames a second at night,
             where the paper saw fewer than 10).
         target_dn: mean level that auto-exposure aims at [DN] (assumed: 30 % of saturation).
-        period_min_us: shortest time between starts of exposure [µs] (published: 40 frames/s).
+        period_min_us: shortest time between starts of exposure [µs] (the paper: 40 frames/s).
         readout_us: from the end of an exposure to the next start [µs] (assumed).
 
     Raises:

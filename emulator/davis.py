@@ -79,16 +79,18 @@ class Davis346:
         A frame that is refused leaves the sensor as it was.
 
         Args:
-            t_us: time of the sample, later than the last one [µs].
-            luminance_cd_m2: (height, width) float32, light of the scene at each pixel, averaged
-                over its area [cd/m²]; 0 is darkness.
+            t_us: time of the sample, later than the last one; a Python or NumPy integer [µs].
+            luminance_cd_m2: (height, width) float32 or another floating point type, which is
+                rounded to float32; light of the scene at each pixel, averaged over its area
+                [cd/m²]; 0 is darkness.
 
         Returns:
             Events and frames since the step before.
 
         Raises:
-            FrameError: another shape, NaN, infinite or negative luminance, a time that goes back
-                or stands still, or a step of more than 17.9 minutes.
+            FrameError: another shape, luminance that is not floating point, NaN, infinite or
+                negative, a time that is no integer, goes back or stands still, or a step of
+                more than 17.9 minutes.
         """
         config = self.config
         time_us = check_time(t_us, self._last_us)

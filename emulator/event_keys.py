@@ -25,12 +25,13 @@ _PIXEL_MASK = 2**30 - 1
 
 
 @compiled
-def make_key(time_us: float, pixel: int, mark: int) -> int:
-    """Key of an event `time_us` into the step; `mark` is 2·cause + polarity.
+def make_key(time_us: float, step_us: int, pixel: int, mark: int) -> int:
+    """Key of an event `time_us` into a step of `step_us`; `mark` is 2·cause + polarity.
 
-    The time is rounded up, so that it lies in the half-open step (from, to].
+    The time is rounded up, and held in the half-open step (from, to]: a sum of parts of the step
+    may exceed the whole by a rounding error, which would otherwise become 1 µs.
     """
-    offset_us = max(1, math.ceil(time_us))
+    offset_us = min(max(1, math.ceil(time_us)), step_us)
     return (offset_us << _TIME_SHIFT) | (pixel << 3) | mark
 
 

@@ -169,7 +169,7 @@ def step_pixels(
                 if mark != NO_EVENT:
                     if used == keys.size:
                         return i, count
-                    keys[used] = make_key(start_us + elapsed_us, i, mark)
+                    keys[used] = make_key(start_us + elapsed_us, to_us - from_us, i, mark)
                     used += 1
         count = used
         store_pixel(state, i, pixel)

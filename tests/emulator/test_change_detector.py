@@ -16,6 +16,14 @@ from emulator.change_detector import (
 
 ON, OFF = 0.18, 0.22
 
+given_course = given(
+    start=st.floats(-0.2, 0.17),
+    rate=st.floats(-3e-3, 3e-3),
+    swing=st.floats(-2, 2),
+    tau=st.floats(1, 1e4),
+    span=st.floats(1, 5000),
+)
+
 
 @pytest.mark.parametrize(("rate", "expected_us"), [(1e-3, 180.0), (-1e-3, 220.0)])
 def test_crossing_of_a_straight_line(rate: float, expected_us: float) -> None:
@@ -40,13 +48,7 @@ def test_a_bump_that_returns_within_the_span_is_seen() -> None:
     assert not stays_within(0.0, rate, swing, tau, 500.0, decay, ON, OFF)
 
 
-@given(
-    start=st.floats(-0.2, 0.17),
-    rate=st.floats(-3e-3, 3e-3),
-    swing=st.floats(-2, 2),
-    tau=st.floats(1, 1e4),
-    span=st.floats(1, 5000),
-)
+@given_course
 def test_first_crossing_is_the_first(
     start: float, rate: float, swing: float, tau: float, span: float
 ) -> None:
@@ -64,13 +66,7 @@ def test_first_crossing_is_the_first(
     assert on == (d[first] >= ON)
 
 
-@given(
-    start=st.floats(-0.2, 0.17),
-    rate=st.floats(-3e-3, 3e-3),
-    swing=st.floats(-2, 2),
-    tau=st.floats(1, 1e4),
-    span=st.floats(1, 5000),
-)
+@given_course
 def test_the_quick_answer_is_never_wrong(
     start: float, rate: float, swing: float, tau: float, span: float
 ) -> None:

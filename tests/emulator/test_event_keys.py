@@ -16,7 +16,7 @@ WIDTH, HEIGHT = 1280, 720
     )
 )
 def test_keys_come_back_as_sorted_events(items: list[tuple[float, int, int]]) -> None:
-    keys = np.array([make_key(*item) for item in items], np.int64)
+    keys = np.array([make_key(t, MAX_STEP_US, pixel, mark) for t, pixel, mark in items], np.int64)
     start_us = 36_000_000_000
     events, causes = unpack_keys(keys, start_us=start_us, width=WIDTH)
     check_events(events, width=WIDTH, height=HEIGHT)
@@ -29,5 +29,13 @@ def test_keys_come_back_as_sorted_events(items: list[tuple[float, int, int]]) ->
 
 
 def test_an_event_at_the_very_start_belongs_to_the_step() -> None:
-    events, _ = unpack_keys(np.array([make_key(0.0, 5, 1)]), start_us=100, width=4)
+    events, _ = unpack_keys(np.array([make_key(0.0, 1000, 5, 1)]), start_us=100, width=4)
     assert events["t"].tolist() == [101]
+
+
+@given(st.integers(1, 1_000_000), st.integers(1, 100))
+def test_an_event_at_the_end_of_the_last_piece_belongs_to_the_step(step_us: int, n: int) -> None:
+    piece_us = step_us / n
+    end_us = (n - 1) * piece_us + piece_us
+    events, _ = unpack_keys(np.array([make_key(end_us, step_us, 5, 1)]), start_us=100, width=4)
+    assert events["t"].tolist() == [100 + step_us]

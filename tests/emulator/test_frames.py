@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from emulator import Davis346, FrameError, SensorConfigError
-from tests.emulator.scenes import flat, noisy, quiet, run
+from tests.emulator.scenes import flat, moving_texture, noisy, quiet, run
 
 
 @pytest.mark.parametrize(
@@ -65,3 +65,15 @@ def test_a_refused_frame_leaves_the_sensor_as_it_was() -> None:
 def test_a_seed_that_is_none_is_refused(seed: Any) -> None:
     with pytest.raises(SensorConfigError, match="the seed is"):
         Davis346(quiet(), seed=seed)
+
+
+@pytest.mark.parametrize("integer", [np.int32, np.int64, np.uint64])
+def test_numpy_times_and_double_precision_give_the_same_events(integer: Any) -> None:
+    samples = list(moving_texture(20))
+    whole, _ = run(Davis346(noisy(), seed=4), samples)
+    other, _ = run(
+        Davis346(noisy(), seed=4), [(integer(t), frame.astype(np.float64)) for t, frame in samples]
+    )
+    assert other.dtype == whole.dtype
+    assert other.tobytes() == whole.tobytes()
+    assert whole.size > 0
