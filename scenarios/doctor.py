@@ -36,6 +36,7 @@ class Doctor:
         for device in devices:
             kind = "software" if device.is_software else "hardware"
             table.add_row("Vulkan device", f"{device.name} ({kind})")
+            table.add_row("its driver", device.driver)
         missing = sys.platform.startswith("linux") and not devices
         if not missing:
             fps = luminance_frames_per_second(FRAMES)

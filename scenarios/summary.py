@@ -75,7 +75,7 @@ def summarise(
         "seed": config.seed,
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in _LIBRARIES},
-        "devices": [device.name for device in vulkan_devices()],
+        "devices": [f"{device.name}: {device.driver}" for device in vulkan_devices()],
         "truth": _truth(config, crossing, in_view_us),
         "events": tally.summary(),
         "fly": judge(estimates, config.crossing.direction, in_view_us),

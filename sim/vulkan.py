@@ -14,20 +14,69 @@ from sim.errors import RendererError
 
 INSTALL_COMMAND = "apt-get install -y libvulkan1 mesa-vulkan-drivers"
 _TYPE_CPU = 4  # VK_PHYSICAL_DEVICE_TYPE_CPU
-_PROPERTIES_BYTES = 4096  # VkPhysicalDeviceProperties has 824; the rest is headroom
-_NAME_OFFSET, _NAME_BYTES = 20, 256
+_VULKAN_1_1 = 1 << 22 | 1 << 12
 
 
 @dataclass(frozen=True)
 class VulkanDevice:
-    """A physical device: its name, and whether it is a processor drawing in software."""
+    """A physical device.
+
+    Attributes:
+        name: of the device.
+        driver: name and version of its driver.
+        is_software: whether it is a processor that draws in software.
+    """
 
     name: str
+    driver: str
     is_software: bool
 
 
+class _ApplicationInfo(ctypes.Structure):
+    """VkApplicationInfo."""
+
+    _fields_ = (
+        ("sType", ctypes.c_int),
+        ("pNext", ctypes.c_void_p),
+        ("pApplicationName", ctypes.c_char_p),
+        ("applicationVersion", ctypes.c_uint32),
+        ("pEngineName", ctypes.c_char_p),
+        ("engineVersion", ctypes.c_uint32),
+        ("apiVersion", ctypes.c_uint32),
+    )
+
+
+class _DriverProperties(ctypes.Structure):
+    """VkPhysicalDeviceDriverProperties."""
+
+    _fields_ = (
+        ("sType", ctypes.c_int),
+        ("pNext", ctypes.c_void_p),
+        ("driverID", ctypes.c_uint32),
+        ("driverName", ctypes.c_char * 256),
+        ("driverInfo", ctypes.c_char * 256),
+        ("conformanceVersion", ctypes.c_uint8 * 4),
+    )
+
+
+class _DeviceProperties(ctypes.Structure):
+    """VkPhysicalDeviceProperties2, with limits and features left as bytes, and room to spare."""
+
+    _fields_ = (
+        ("sType", ctypes.c_int),
+        ("pNext", ctypes.c_void_p),
+        ("apiVersion", ctypes.c_uint32),
+        ("driverVersion", ctypes.c_uint32),
+        ("vendorID", ctypes.c_uint32),
+        ("deviceID", ctypes.c_uint32),
+        ("deviceType", ctypes.c_uint32),
+        ("deviceName", ctypes.c_char * 256),
+        ("rest", ctypes.c_uint8 * 4096),
+    )
+
+
 class _InstanceInfo(ctypes.Structure):
-    """VkInstanceCreateInfo with nothing asked for."""
+    """VkInstanceCreateInfo."""
 
     _fields_ = (
         ("sType", ctypes.c_int),
@@ -48,7 +97,10 @@ def vulkan_devices() -> list[VulkanDevice]:
         return []
     vulkan = ctypes.CDLL(name)
     instance = ctypes.c_void_p()
-    info = _InstanceInfo(sType=1)  # VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO
+    application = _ApplicationInfo(sType=0, apiVersion=_VULKAN_1_1)
+    info = _InstanceInfo(
+        sType=1, pApplicationInfo=ctypes.cast(ctypes.pointer(application), ctypes.c_void_p)
+    )
     if vulkan.vkCreateInstance(ctypes.byref(info), None, ctypes.byref(instance)) != 0:
         return []
     try:
@@ -83,8 +135,12 @@ def _handles(vulkan: ctypes.CDLL, instance: ctypes.c_void_p) -> list[ctypes.c_vo
 
 
 def _describe(vulkan: ctypes.CDLL, handle: ctypes.c_void_p) -> VulkanDevice:
-    properties = ctypes.create_string_buffer(_PROPERTIES_BYTES)
-    vulkan.vkGetPhysicalDeviceProperties(handle, properties)
-    device_type = ctypes.c_uint32.from_buffer(properties, 16).value
-    name = properties.raw[_NAME_OFFSET : _NAME_OFFSET + _NAME_BYTES].split(b"\0")[0].decode()
-    return VulkanDevice(name, device_type == _TYPE_CPU)
+    driver = _DriverProperties(sType=1000196000)
+    chained = ctypes.cast(ctypes.pointer(driver), ctypes.c_void_p)
+    device = _DeviceProperties(sType=1000059001, pNext=chained)
+    vulkan.vkGetPhysicalDeviceProperties2(handle, ctypes.byref(device))
+    return VulkanDevice(
+        name=device.deviceName.decode(),
+        driver=f"{driver.driverName.decode()}, {driver.driverInfo.decode()}",
+        is_software=device.deviceType == _TYPE_CPU,
+    )
