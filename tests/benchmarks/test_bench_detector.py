@@ -1,3 +1,5 @@
+from time import process_time
+
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
@@ -23,6 +25,7 @@ def moving_clusters() -> Events:
     return events
 
 
+@pytest.mark.benchmark(group="2 M events through the fly, by chunk [CPU]", timer=process_time)
 @pytest.mark.parametrize("chunk", [100, 10_000, 1_000_000])
 def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
     """Events a second through `push`, with the estimate of every hop."""
@@ -34,10 +37,10 @@ def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
         for start in range(0, EVENTS, chunk):
             fly.push(events[start : start + chunk])
 
-    benchmark.extra_info["events"] = EVENTS
     benchmark(run)
 
 
+@pytest.mark.benchmark(group="one estimate, dense stages [CPU]", timer=process_time)
 def test_estimate(benchmark: BenchmarkFixture) -> None:
     """Dense stages of one estimate: averages, T4/T5, attention, tangential cells."""
     events = moving_clusters()
