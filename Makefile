@@ -27,6 +27,7 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt .ci/setup
 	PYTHON="$(PYTHON)" VENV="$(VENV)" .ci/setup
 	touch $@
+	@echo "flybench is ready in $(VENV)."
 
 clean:
 	rm -rf $(VENV) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -9,10 +9,19 @@ from typing import Any
 import h5py
 import numpy as np
 
-from emulator import Events
+from emulator import EVENT_DTYPE, Events
 
 CHUNK = 1 << 16
 _DTYPES = {"t": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
+
+
+def read_events(path: Path) -> Events:
+    """All events of a file that `DsecWriter` wrote, as `EVENT_DTYPE`."""
+    with h5py.File(path) as file:
+        events = np.empty(file["events/t"].size, EVENT_DTYPE)
+        for name in _DTYPES:
+            events[name] = file["events"][name][:]
+    return events
 
 
 class DsecWriter:

@@ -56,8 +56,15 @@ def whole_folder(folder: Path) -> Iterator[Path]:
     """
     check_output(folder)
     folder = folder.resolve()
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as scratch:
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        holder = tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent)
+    except OSError as error:
+        raise OutputError(
+            f"the output folder {folder} cannot be made ({error.strerror}); choose another with "
+            "--out"
+        ) from error
+    with holder as scratch:
         work = Path(scratch) / "new"
         work.mkdir()
         yield work

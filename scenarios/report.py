@@ -38,14 +38,13 @@ def print_runs(runs: Summaries) -> None:
         console.print(line, soft_wrap=True, markup=False)
 
 
-_SECTION_ENDS = ("image speed", "hot pixels", "GRMS")
+_SECTION_ENDS = ("image speed", "hot pixels", "GRMS [1/s]")
 
 
 def view_command(folder: Path) -> str:
     """What to type to look at a run: the command as it can be called from here."""
-    program = Path(sys.argv[0])
-    on_path = shutil.which(GENERATOR) is not None or program.name != GENERATOR
-    name = GENERATOR if on_path else os.path.relpath(program)
+    installed = Path(sys.executable).with_name(GENERATOR)
+    name = GENERATOR if shutil.which(GENERATOR) else os.path.relpath(installed)
     way = "" if has_display() else " --web"
     return f"{shlex.quote(name)} view {shlex.quote(str(folder))}{way}"
 
@@ -83,7 +82,7 @@ def _fly(summary: dict[str, Any]) -> dict[str, str]:
         "right steps in view": f"{percent(fly['accuracy'])} of {fly['steps_in_view']}",
         "after 100 ms in view": percent(after),
         "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
-        "GRMS": number(fly["grms"]),
+        "GRMS [1/s]": number(fly["grms"]),
     }
 
 

@@ -42,7 +42,7 @@ class Run:
     illuminance_lux: float | None = None
     """On the road [lux]; 30 000 by day, 10 by night."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random; the same gives the same events."""
     noise: bool = True
     """Whether the sensor has leak, shot noise, hot pixels and noisy frames."""
     lead_s: float = 0.15

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -73,12 +74,16 @@ def script(command: Any) -> None:
 
 
 def execute(command: Command) -> int:
-    """Run a command; a refusal becomes one sentence on standard error, and status 2."""
+    """Run a command; a refusal becomes one sentence on standard error, and status 2.
+
+    Being told to end is taken as an interrupt, so that what was begun is cleaned up.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return command.execute()
     except REFUSALS as refusal:
         print(f"flybench: {refusal}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("flybench: interrupted; nothing was left half written", file=sys.stderr)
+        print("flybench: interrupted", file=sys.stderr)
         return 130

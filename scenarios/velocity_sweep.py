@@ -21,6 +21,8 @@ from scenarios.terminal import Bar, progress_bar, script
 from sim import CrossingConfig, Direction, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
+COLUMNS = ("rad/s", "px/s", "truth", "verdict", "right steps", "first right", "GRMS [1/s]")
+
 
 @dataclass(frozen=True)
 class VelocitySweep:
@@ -33,14 +35,14 @@ class VelocitySweep:
     direction: Literal["right", "left", "up", "down"] = "right"
     """Where the vehicle goes in the image."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random; the same gives the same events."""
     step_px: float = 0.5
     """The farthest that anything may move in the image between two samples [px]."""
 
     def execute(self) -> int:
         """Run the list, and print the table."""
         configs = list(self._configs())
-        table = Table("true ω", "image speed", "direction", "verdict", "right", "first", "GRMS")
+        table = Table(*COLUMNS)
         with progress_bar() as progress:
             for config in configs:
                 table.add_row(*sweep_row(config, progress))
@@ -73,8 +75,8 @@ def sweep_row(config: RunConfig, progress: Bar) -> tuple[str, ...]:
     speed = crossing.intrinsics.focal_px * config.crossing.omega_rad_s
     latency = found["latency_ms"]
     return (
-        f"{config.crossing.omega_rad_s:.2f} rad/s",
-        f"{speed:.0f} px/s",
+        f"{config.crossing.omega_rad_s:.2f}",
+        f"{speed:.0f}",
         config.crossing.direction.value,
         found["direction"],
         percent(found["accuracy"]),

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import rerun_cli
 import tyro
 
 from scenarios.errors import ScenarioError
 from scenarios.output import RECORDING
 from scenarios.recording.screenshot import screenshot
 from scenarios.terminal import has_display, script
+
+MAGIC = b"RRF2"
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class View:
                 "there is no display to open a window on; use --web to serve the recording to a "
                 "browser, or --screenshot FILE.png for a picture"
             )
-        command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
+        command = [viewer_program(), str(recording), "--bind", "127.0.0.1"]
         return subprocess.call(command + (["--serve-web"] if self.web else []))
 
 
@@ -52,12 +54,23 @@ def find_recording(path: Path) -> Path:
         ScenarioError: there is none.
     """
     recording = path / RECORDING if path.is_dir() else path
-    if recording.suffix != ".rrd" or not recording.is_file():
+    if not recording.is_file() or not _is_recording(recording):
         raise ScenarioError(
             f"there is no recording at {path}; allowed is a folder that flybench run wrote, or "
             "an .rrd file; make one with: flybench run"
         )
     return recording
+
+
+def viewer_program() -> str:
+    """Rerun's viewer itself; started through Python it would outlive an end of this command."""
+    return str(Path(rerun_cli.__file__).with_name("rerun"))
+
+
+def _is_recording(path: Path) -> bool:
+    """Whether a file begins as Rerun's files do."""
+    with path.open("rb") as file:
+        return file.read(len(MAGIC)) == MAGIC
 
 
 if __name__ == "__main__":

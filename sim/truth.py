@@ -33,8 +33,8 @@ class GroundTruth:
         image_velocity_px_s: (2,) velocity of the flank in the image; x right, y down.
         position_m: way of the vehicle's middle from the point of closest approach [m].
         reference_px: (2,) where the flank's middle is in the image, also outside of it.
-        visibility: share of the flank's rectangle that lies inside the image, 0 to 1; what stands
-            in front of it is not considered.
+        visibility: share of the rectangle around the projected vehicle that lies inside the
+            image, 0 to 1; what stands in front of it is not considered.
         mask: (height, width) bool, the pixels whose middle shows the target.
         bounding_box_px: x0, y0, x1, y1 of the mask, half-open; None where it is empty.
         centroid_px: (2,) centre of gravity of the mask; None where it is empty.
@@ -79,6 +79,7 @@ def ground_truth(
     direction = scene.config.direction
     position = trajectory.position_m(t_s)
     corners, _ = project(scene.flank_m(position), scene.pose, intrinsics)
+    body, _ = project(scene.body_corners_m(position), scene.pose, intrinsics)
     speed_px_s = intrinsics.focal_px * trajectory.speed_m_s(t_s) / trajectory.distance_m
     return GroundTruth(
         t_us=t_us,
@@ -87,7 +88,7 @@ def ground_truth(
         image_velocity_px_s=speed_px_s * IMAGE_DIRECTION[direction],
         position_m=position,
         reference_px=corners.mean(axis=0),
-        visibility=visible_share(corners, intrinsics),
+        visibility=visible_share(body, intrinsics),
         mask=mask,
         bounding_box_px=bounding_box(mask),
         centroid_px=centroid(mask),

@@ -68,13 +68,13 @@ def screenshot(
     with _viewer(size_px) as viewer:
         viewer.open(str(recording.absolute()))
         start_ns, end_ns = _time_range(viewer, recording)
-        at_ns = (start_ns + end_ns) // 2 if at_s is None else round(at_s * 1e9)
+        at_ns = (start_ns + end_ns) / 2 if at_s is None else at_s * 1e9
         if not start_ns <= at_ns <= end_ns:
             raise ScreenshotError(
                 f"the time is {at_s} s; allowed is {start_ns * 1e-9:g} to {end_ns * 1e-9:g} s in "
                 f"{recording}; choose another or leave it out"
             )
-        viewer.set_time(TIMELINE, duration=np.timedelta64(at_ns, "ns"), play_state="paused")
+        viewer.set_time(TIMELINE, duration=np.timedelta64(round(at_ns), "ns"), play_state="paused")
         viewer.run_command("ui.toggle_top_panel")
         png.write_bytes(_settled_picture(viewer))
 

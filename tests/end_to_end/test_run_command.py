@@ -6,12 +6,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 
 from detector.fly import FlyDetector
-from emulator import EVENT_DTYPE, Events
+from scenarios.eventfile import read_events
 from scenarios.run import Run
 from scenarios.sequence import run_sequence
 from scenarios.tables import estimate_row
@@ -22,16 +21,6 @@ COARSE = ("--step-px", "8", "--supersample", "1", "--omega", "2.42")
 def flybench(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "scenarios.cli", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
-def read_events(folder: Path) -> Events:
-    with h5py.File(folder / "events.h5") as file:
-        events = np.empty(file["events/t"].size, EVENT_DTYPE)
-        for name in events.dtype.names or ():
-            events[name] = file["events"][name][:]
-        index = file["ms_to_idx"][:]
-    assert (np.searchsorted(events["t"], np.arange(index.size) * 1000) == index).all()
-    return events
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +42,7 @@ def test_the_folder_holds_all_that_was_promised(ran: tuple[Path, str]) -> None:
 
 
 def test_the_summary_is_the_contract(ran: tuple[Path, str]) -> None:
-    summary, events = summary_of(ran[0]), read_events(ran[0])
+    summary, events = summary_of(ran[0]), read_events(ran[0] / "events.h5")
     assert summary["truth"]["direction"] == "right"
     assert summary["truth"]["omega_rad_s"] == 2.42
     assert summary["fly"]["direction"] == "right"
@@ -81,8 +70,8 @@ def test_the_table_says_it_and_how_to_look(ran: tuple[Path, str]) -> None:
 def test_another_process_and_one_chunk_give_the_same(ran: tuple[Path, str], tmp_path: Path) -> None:
     config = Run(omega=2.42, step_px=8, supersample=1, seed=7).config()
     run_sequence(config, tmp_path / "again")
-    events = read_events(ran[0])
-    assert np.array_equal(read_events(tmp_path / "again"), events)
+    events = read_events(ran[0] / "events.h5")
+    assert np.array_equal(read_events(tmp_path / "again" / "events.h5"), events)
     table = (ran[0] / "estimates.csv").read_text()
     assert (tmp_path / "again" / "estimates.csv").read_text() == table
     fly = FlyDetector(config.fly)

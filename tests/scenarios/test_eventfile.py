@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulator import EVENT_DTYPE
-from scenarios.eventfile import DsecWriter
+from scenarios.eventfile import DsecWriter, read_events
 
 
 @settings(max_examples=20, deadline=None)
@@ -27,6 +27,7 @@ def test_events_come_back_with_their_index(
     with DsecWriter(path, width=346, height=260) as writer:
         for part in np.split(events, cuts):
             writer.write(part)
+    assert np.array_equal(read_events(path), events)
     with h5py.File(path) as file:
         for name in ("t", "x", "y", "p"):
             assert np.array_equal(file["events"][name][:], events[name])
