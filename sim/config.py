@@ -56,11 +56,11 @@ class CrossingConfig:
         illuminance_lux: on the road in front of the camera [lux]; None: `ILLUMINANCE_LUX`.
         lead_s: how long before the vehicle enters, and after it has left, the sequence goes on [s];
             0.15 lets a detector with a 100 ms memory settle (assumed).
-        step_px: the farthest that a point may travel in the image between two samples [px]; at
-            0.5, coarser and finer steps change the events less than supersampling does.
+        step_px: the farthest that a point may travel in the image between two samples [px]; 0.5
+            is assumed, and to be confirmed by a convergence study on this street.
         max_step_ms: the longest step where nothing moves [ms] (assumed).
-        supersample: rendered pixels per sensor pixel, along each axis; 2 brings the number of
-            events within a percent of that at 4, 1 makes 7 % too many at jagged edges.
+        supersample: rendered pixels per sensor pixel, along each axis; 2 is
+            assumed, and to be confirmed likewise.
     """
 
     lighting: Lighting = Lighting.DAY

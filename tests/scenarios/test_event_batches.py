@@ -1,21 +1,13 @@
 from dataclasses import fields
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulator import EVENT_DTYPE, Cause
+from emulator import Cause
 from scenarios.recording.event_batches import EventBatches, EventBuffer, batch, class_id
-
-
-def events_at(*times_us: int) -> Any:
-    events = np.zeros(len(times_us), EVENT_DTYPE)
-    events["t"] = times_us
-    events["x"], events["y"] = np.arange(len(times_us)) % 346, 7
-    events["p"] = np.arange(len(times_us)) % 2 == 0
-    return events
+from tests.scenarios.drawn_events import events_at
 
 
 def test_a_batch_holds_one_millisecond() -> None:

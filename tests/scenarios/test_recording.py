@@ -1,5 +1,4 @@
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -8,13 +7,14 @@ import rerun as rr
 
 from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyMaps
-from emulator import EVENT_DTYPE, ApsFrame, Cause
+from emulator import ApsFrame, Cause
 from scenarios.recording import Recorder
 from scenarios.recording.entities import MOTION, SALIENCY, SURFACE_OFF, SURFACE_ON
 from scenarios.recording.event_batches import class_id
 from sim import Crossing, CrossingConfig, GroundTruth, project
 from sim import Direction as SceneDirection
 from sim.truth import ground_truth
+from tests.scenarios.drawn_events import events_at
 from tests.scenarios.reading import Reading
 
 CELL_PX = 3
@@ -25,14 +25,6 @@ PARAMETERS = {
     "crossing.noise": True,
     "crossing.nothing": None,
 }
-
-
-def events_at(*times_us: int) -> Any:
-    events = np.zeros(len(times_us), EVENT_DTYPE)
-    events["t"] = times_us
-    events["x"], events["y"] = np.arange(len(times_us)) % 346, 7
-    events["p"] = np.arange(len(times_us)) % 2 == 0
-    return events
 
 
 def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth:

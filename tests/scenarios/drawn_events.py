@@ -1,0 +1,13 @@
+from typing import Any
+
+import numpy as np
+
+from emulator import EVENT_DTYPE
+
+
+def events_at(*times_us: int) -> Any:
+    events = np.zeros(len(times_us), EVENT_DTYPE)
+    events["t"] = times_us
+    events["x"], events["y"] = np.arange(len(times_us)) % 346, 7
+    events["p"] = np.arange(len(times_us)) % 2 == 0
+    return events
