@@ -3,6 +3,7 @@
 from sim.camera import Intrinsics, Pose, project
 from sim.config import CrossingConfig, Direction, Lighting, omega_from_speed
 from sim.crossing import Crossing, Sample
+from sim.distractors import Distractors, Pavement, VehicleKind, Way
 from sim.errors import RendererError, SceneConfigError, SimError
 from sim.preview import Preview
 from sim.trajectory import Profile, Trajectory
@@ -12,9 +13,11 @@ __all__ = [
     "Crossing",
     "CrossingConfig",
     "Direction",
+    "Distractors",
     "GroundTruth",
     "Intrinsics",
     "Lighting",
+    "Pavement",
     "Pose",
     "Preview",
     "Profile",
@@ -23,6 +26,8 @@ __all__ = [
     "SceneConfigError",
     "SimError",
     "Trajectory",
+    "VehicleKind",
+    "Way",
     "omega_from_speed",
     "project",
 ]

@@ -1,4 +1,4 @@
-"""Make the textures and tree crowns under `sim/assets`: `python -m sim.authoring`.
+"""Make the textures and tyres under `sim/assets`: `python -m sim.authoring`.
 
 The results are committed, so that the MJCF files open in any MuJoCo viewer; this script is kept
 so that each can be made again, bit for bit, from its seed. A texture holds linear reflectance
@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 ASSETS = Path(__file__).parent / "assets"
 SEED = 1
-TUFT_UV = ((0, 0), (0.3, 0), (0.3, 0.3), (0, 0.3))
-"""Part of the foliage texture that one tuft shows."""
 Image = npt.NDArray[np.float64]
 
 
@@ -33,9 +31,8 @@ def main() -> None:
     }
     for name, image in textures.items():
         pixels = np.clip(np.rint(image * 255), 1, 255).astype(np.uint8)
-        cv2.imwrite(str(ASSETS / f"{name}.png"), pixels)
-    for name in ("crown_a", "crown_b"):
-        (ASSETS / f"{name}.obj").write_text(crown(rng), encoding="ascii")
+        cv2.imwrite(str(ASSETS / f"{name}.png"), pixels, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    (ASSETS / "tyre.obj").write_text(tyre(), encoding="ascii")
 
 
 def noise(rng: np.random.Generator, size: int, scale_px: float) -> Image:
@@ -46,7 +43,7 @@ def noise(rng: np.random.Generator, size: int, scale_px: float) -> Image:
     return np.asarray((image - image.mean()) / image.std())
 
 
-def asphalt(rng: np.random.Generator, size: int = 512) -> Image:
+def asphalt(rng: np.random.Generator, size: int = 1024) -> Image:
     """Stones of a few millimetres in tar, with worn patches and a mended crack."""
     grain = 0.08 * noise(rng, size, 1.5) + 0.05 * noise(rng, size, 5)
     wear = 0.05 * noise(rng, size, 60) + 0.04 * noise(rng, size, 160)
@@ -54,7 +51,7 @@ def asphalt(rng: np.random.Generator, size: int = 512) -> Image:
     return np.clip(0.62 + grain + wear - 0.3 * cv2.GaussianBlur(crack * 1.0, (0, 0), 1), 0.15, 1)
 
 
-def paving(rng: np.random.Generator, size: int = 512, stones: int = 8) -> Image:
+def paving(rng: np.random.Generator, size: int = 1024, stones: int = 16) -> Image:
     """Square concrete slabs, each of its own shade, with dark joints."""
     shade = np.kron(rng.normal(0.72, 0.07, (stones, stones)), np.ones((size // stones,) * 2))
     edge = np.arange(size) % (size // stones) < 2
@@ -64,7 +61,7 @@ def paving(rng: np.random.Generator, size: int = 512, stones: int = 8) -> Image:
     return np.clip(image, 0.1, 1)
 
 
-def brick(rng: np.random.Generator, size: int = 512, courses: int = 16, bricks: int = 8) -> Image:
+def brick(rng: np.random.Generator, size: int = 1024, courses: int = 32, bricks: int = 16) -> Image:
     """Running bond: courses of bricks of uneven firing, offset by half, in light mortar."""
     height, length = size // courses, size // bricks
     rows, columns = np.mgrid[0:size, 0:size]
@@ -76,9 +73,9 @@ def brick(rng: np.random.Generator, size: int = 512, courses: int = 16, bricks: 
     return np.clip(image + 0.04 * noise(rng, size, 90), 0.1, 1)
 
 
-def plaster(rng: np.random.Generator, size: int = 256) -> Image:
+def plaster(rng: np.random.Generator, size: int = 512) -> Image:
     """Rough render with stains."""
-    return np.clip(0.8 + 0.04 * noise(rng, size, 1.5) + 0.05 * noise(rng, size, 40), 0.3, 1)
+    return np.clip(0.8 + 0.04 * noise(rng, size, 1.5) + 0.05 * noise(rng, size, 70), 0.3, 1)
 
 
 def foliage(rng: np.random.Generator, size: int = 256) -> Image:
@@ -93,28 +90,24 @@ def bark(rng: np.random.Generator, size: int = 128) -> Image:
     return np.clip(0.6 + 0.25 * furrows, 0.1, 1)
 
 
-def crown(rng: np.random.Generator, tufts: int = 800) -> str:
-    """A tree crown as a Wavefront OBJ: leaf tufts in an egg of unit radius.
+def tyre(segments: int = 32) -> str:
+    """A tyre of outer radius 1 about the y axis as a Wavefront OBJ, open in the middle.
 
     Returns:
-        The file's text, with texture coordinates; lengths are relative to the crown's radius.
+        The file's text; a profile of six corners, turned.
     """
-    direction = rng.standard_normal((tufts, 3))
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    centre = direction * rng.uniform(0.45, 1.0, (tufts, 1)) * [1.0, 1.0, 1.15]
-    lines: list[str] = []
-    for middle in centre:
-        first, second = np.linalg.qr(rng.standard_normal((3, 2)))[0].T * rng.uniform(0.06, 0.13)
-        for across, along in ((-1, -0.6), (0.2, -1), (1, 0.5), (-0.3, 1)):
-            lines.append(
-                "v {:.3f} {:.3f} {:.3f}".format(*(middle + across * first + along * second))
-            )
-    offset = rng.uniform(0, 1, (tufts, 2))
-    for u, v in offset:
-        lines += [f"vt {u + du:.3f} {v + dv:.3f}" for du, dv in TUFT_UV]
-    for k in range(0, 4 * tufts, 4):
-        a, b, c, d = (f"{k + n}/{k + n}" for n in (1, 2, 3, 4))
-        lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
+    profile = [(0.8, -0.1), (0.93, -0.17), (1.0, -0.07), (1.0, 0.07), (0.93, 0.17), (0.8, 0.1)]
+    lines = []
+    for angle in np.arange(segments) * 2 * np.pi / segments:
+        for radius, y in profile:
+            x, z = radius * np.cos(angle), radius * np.sin(angle)
+            lines.append(f"v {x:.4f} {y:.4f} {z:.4f}")
+    sides, count = len(profile), segments * len(profile)
+    for ring in range(segments):
+        for k in range(sides):
+            a, b = ring * sides + k, ring * sides + (k + 1) % sides
+            c, d = (b + sides) % count, (a + sides) % count
+            lines += [f"f {a + 1} {b + 1} {c + 1}", f"f {a + 1} {c + 1} {d + 1}"]
     return "\n".join(lines) + "\n"
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,10 @@ class Intrinsics:
     width: int = 346
     height: int = 260
     focal_px: float = 6.0e-3 / 18.5e-6
+
+    def grown(self, margin_px: int) -> Intrinsics:
+        """The same lens before a sensor that is larger by a margin on all sides [px]."""
+        return Intrinsics(self.width + 2 * margin_px, self.height + 2 * margin_px, self.focal_px)
 
     @property
     def half_width_rad(self) -> float:
@@ -51,7 +56,7 @@ class Pose:
     right: Vectors = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
     up: Vectors = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
 
-    @property
+    @cached_property
     def forward(self) -> Vectors:
         """(3,) optical axis."""
         return np.cross(self.up, self.right)

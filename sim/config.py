@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
-from typing import Any, TypeVar
+from typing import Any
 
+from sim.checks import Range, check_ranges, member
+from sim.distractors import Distractors, Pavement, VehicleKind, Way
 from sim.errors import SceneConfigError
 from sim.trajectory import Profile
-
-E = TypeVar("E", bound=StrEnum)
 
 
 class Lighting(StrEnum):
     """Time of day."""
 
     DAY = "day"
+    DUSK = "dusk"
     NIGHT = "night"
 
 
@@ -28,8 +29,9 @@ class Direction(StrEnum):
     DOWN = "down"
 
 
-DISTANCE_M = {Lighting.DAY: 6.89, Lighting.NIGHT: 7.79}
-"""At these, 30, 40, 50 and 60 km/h give the paper's angular velocities, by day and by night."""
+DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
+"""At these, 30, 40, 50 and 60 km/h give the paper's angular velocities, by day and by night; at
+dusk, which the paper has not, as by day."""
 
 PAPER_OMEGA_RAD_S = {
     Lighting.DAY: (1.21, 1.61, 2.01, 2.42),
@@ -37,8 +39,9 @@ PAPER_OMEGA_RAD_S = {
 }
 """The paper's angular velocities, Section III: 30, 40, 50 and 60 km/h."""
 
-ILLUMINANCE_LUX = {Lighting.DAY: 30_000.0, Lighting.NIGHT: 10.0}
-"""On the road: a clear day, and a street lit to class M4 or so (both assumed)."""
+ILLUMINANCE_LUX = {Lighting.DAY: 30_000.0, Lighting.DUSK: 50.0, Lighting.NIGHT: 10.0}
+"""On the road: a clear day, some twenty minutes after sunset under a clear sky, and a street lit to
+class M4 or so (all assumed)."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +49,23 @@ class CrossingConfig:
     """A vehicle that crosses in front of the camera.
 
     Attributes:
-        lighting: day or night.
+        lighting: day, dusk or night.
         omega_rad_s: angular velocity at closest approach [rad/s]; 1.61 is the paper's 40 km/h by
             day.
         direction: in the image. Left is a vehicle that drives the other way; up and down are the
             same crossing seen by a camera rolled by a quarter turn.
         profile: constant speed, or constant angular velocity.
+        vehicle: what drives.
+        paint_reflectance: luminance reflectance of its paint, 0.04 (black) to 0.8 (white); 0.53 is
+            silver (assumed), and 0.13 leaves nearly no contrast to the road by day (measured).
         distance_m: from the camera to the vehicle's near flank [m]; None: `DISTANCE_M`.
         illuminance_lux: on the road in front of the camera [lux]; None: `ILLUMINANCE_LUX`.
+        sun_azimuth_deg: by day, where the sun stands: 0 is straight ahead of the camera, positive
+            to its right [deg]; -150 is behind its left shoulder (assumed).
+        sun_elevation_deg: by day, over the horizon [deg] (assumed).
+        street_seed: of all that is drawn at random in the street: façades, trees, parked cars, lit
+            windows.
+        distractors: what else moves or flickers; by default nothing.
         lead_s: how long before the vehicle enters, and after it has left, the sequence goes on [s];
             0.15 lets a detector with a 100 ms memory settle (assumed).
         step_px: the farthest that a point may travel in the image between two samples [px]; 0.5
@@ -67,19 +79,34 @@ class CrossingConfig:
     omega_rad_s: float = 1.61
     direction: Direction = Direction.RIGHT
     profile: Profile = Profile.CONSTANT_SPEED
+    vehicle: VehicleKind = VehicleKind.SEDAN
+    paint_reflectance: float = 0.53
     distance_m: float | None = None
     illuminance_lux: float | None = None
+    sun_azimuth_deg: float = -150.0
+    sun_elevation_deg: float = 48.0
+    street_seed: int = 0
+    distractors: Distractors = field(default_factory=Distractors)
     lead_s: float = 0.15
     step_px: float = 0.5
     max_step_ms: float = 5.0
     supersample: int = 2
 
     def __post_init__(self) -> None:
-        for name, kind in (("lighting", Lighting), ("direction", Direction), ("profile", Profile)):
+        for name, kind in _MEMBERS.items():
             object.__setattr__(self, name, member(kind, name, getattr(self, name)))
-        resolved = self.resolved()
-        for name in RANGES:
-            check_range(name, resolved[name])
+        check_ranges(RANGES, self.resolved())
+        self._check_the_walker()
+
+    def _check_the_walker(self) -> None:
+        near = self.distractors.pedestrian_pavement is Pavement.NEAR
+        walks = self.distractors.pedestrian is not Way.NONE
+        if walks and near and self.distance < WALKER_DISTANCE_M:
+            raise SceneConfigError(
+                f"distance_m is {self.distance!r} and a pedestrian walks on the near pavement, "
+                f"into the camera; allowed is {WALKER_DISTANCE_M:g} to 12 m then; choose a greater "
+                "distance, or the far pavement"
+            )
 
     @property
     def distance(self) -> float:
@@ -98,49 +125,33 @@ class CrossingConfig:
         return asdict(self) | stand_in
 
 
-RANGES: dict[str, tuple[float, float, str]] = {  # low, high, unit; "whole" for whole numbers
-    "omega_rad_s": (0.05, 10.0, "rad/s"),
-    "distance_m": (3.0, 12.0, "m"),
-    "illuminance_lux": (0.1, 100_000.0, "lux"),
-    "lead_s": (0.05, 10.0, "s"),
-    "step_px": (0.05, 8.0, "px"),
-    "max_step_ms": (0.1, 20.0, "ms"),
-    "supersample": (1, 8, "whole"),
+WALKER_DISTANCE_M = 4.0
+"""At this distance from the target, a camera is over a metre from who walks on its pavement."""
+
+_MEMBERS: dict[str, Any] = {
+    "lighting": Lighting,
+    "direction": Direction,
+    "profile": Profile,
+    "vehicle": VehicleKind,
 }
 
-REMEDIES = {
-    "omega_rad_s": "for motion the other way, give another direction",
-    "distance_m": "nearer, the vehicle would drive over the camera's pavement",
+RANGES: dict[str, Range] = {
+    "omega_rad_s": Range(0.05, 10.0, "rad/s", "for motion the other way, give another direction"),
+    "paint_reflectance": Range(0.04, 0.8, "", "0.04 is black paint and 0.8 white"),
+    "distance_m": Range(
+        3.0, 12.0, "m", "nearer, the vehicle would drive over the camera's pavement"
+    ),
+    "illuminance_lux": Range(0.1, 100_000.0, "lux"),
+    "sun_azimuth_deg": Range(-180.0, 180.0, "deg", "add or subtract 360"),
+    "sun_elevation_deg": Range(5.0, 90.0, "deg", "for a lower sun, choose dusk"),
+    "street_seed": Range(0, 2**32 - 1, "whole"),
+    "lead_s": Range(0.05, 10.0, "s"),
+    "step_px": Range(0.05, 8.0, "px"),
+    "max_step_ms": Range(0.1, 20.0, "ms"),
+    "supersample": Range(1, 8, "whole"),
 }
-
-
-def check_range(name: str, value: Any) -> None:
-    """Refuse a field's value outside of `RANGES`.
-
-    Raises:
-        SceneConfigError: it is too small, too large, or no number of the kind.
-    """
-    low, high, unit = RANGES[name]
-    kind = int if unit == "whole" else (int, float)
-    if isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high:
-        return
-    remedy = REMEDIES.get(name, "choose a value in that range")
-    raise SceneConfigError(f"{name} is {value!r}; allowed is {low:g} to {high:g} {unit}; {remedy}")
 
 
 def omega_from_speed(speed_km_h: float, distance_m: float) -> float:
     """Angular velocity at closest approach [rad/s] of a speed [km/h] at a distance [m]: v/d."""
     return speed_km_h / 3.6 / distance_m
-
-
-def member(kind: type[E], name: str, value: Any) -> E:
-    """The member of `kind` that `value` names.
-
-    Raises:
-        SceneConfigError: there is none.
-    """
-    try:
-        return kind(value)
-    except ValueError:
-        allowed = ", ".join(kind)
-        raise SceneConfigError(f"{name} is {value!r}; allowed is one of {allowed}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,20 +9,13 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from sim.camera import Intrinsics
+from sim.camera import Intrinsics, Pose
 from sim.config import CrossingConfig, Direction
 from sim.influence import body_window, influence_window
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.sampling import sample_times_us
-from sim.scene import BODY_BOX_M, FLANK_M, RIM_RADIUS_M, WHEEL_RADIUS_M, Scene, build_scene
-from sim.trajectory import Trajectory
+from sim.scene import Scene, build_scene
 from sim.truth import GroundTruth, ground_truth
-
-OUT_OF_SIGHT_M = 6.0
-"""How far beyond the view the vehicle stands, its lamps shining away, while the empty street is
-drawn; not farther, since the shadow map is fitted to all that casts a shadow."""
-RIM_SPEED = 1 + RIM_RADIUS_M / WHEEL_RADIUS_M
-"""A rolling wheel's spokes outrun the vehicle at the top by this factor."""
 
 BEAM_SOFTNESS = 4
 """The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
@@ -60,11 +52,10 @@ class Crossing:
         self.config = config
         self.intrinsics = intrinsics or Intrinsics()
         self.scene: Scene = build_scene(config)
-        self.trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
-        far_flank_m = config.distance + 2 * FLANK_M  # seen first, and last
-        self._reach_m = far_flank_m * math.tan(self._half_view_rad()) + float(BODY_BOX_M[1, 0])
-        self._start_s = self.trajectory.time_at_s(-self._reach_m) - config.lead_s
-        self._end_s = self.trajectory.time_at_s(self._reach_m) + config.lead_s
+        self.trajectory = self.scene.trajectory
+        reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())
+        self._start_s = self.trajectory.time_at_s(-reach_m) - config.lead_s
+        self._end_s = self.trajectory.time_at_s(reach_m) + config.lead_s
         self.trajectory.position_m(self._start_s)
 
     @property
@@ -123,57 +114,56 @@ class Crossing:
             data = mujoco.MjData(model)
 
             def draw(t_us: int) -> Luminance:
-                return self._whole(renderer, data, self.position_m(t_us))
+                t_s = self.seconds(t_us)
+                self.scene.place(data, t_s)
+                return self._whole(renderer, data, self.scene.pose_at(t_s))
 
             yield draw
 
     def _sample(
         self, renderer: FilamentRenderer, data: mujoco.MjData, t_us: int, empty: Luminance
     ) -> Sample:
-        position = self.position_m(t_us)
+        t_s = self.seconds(t_us)
+        pose = self.scene.pose_at(t_s)
         luminance = empty.copy()
         mask = np.zeros(empty.shape, np.bool_)
-        if window := influence_window(self.scene, position, self.intrinsics):
+        if window := influence_window(self.scene, t_s, self.intrinsics):
             x0, y0, x1, y1 = window
-            self.scene.place(data, position)
+            self.scene.place(data, t_s)
             renderer.update(data)
             luminance[y0:y1, x0:x1] = renderer.luminance(
-                self.scene.pose, window, supersample=self.config.supersample
+                pose, window, supersample=self.config.supersample
             )
-        if window := body_window(self.scene, position, self.intrinsics):
+        if window := body_window(self.scene, t_s, self.intrinsics):
             x0, y0, x1, y1 = window
-            geoms = renderer.segmentation(self.scene.pose, window)
+            geoms = renderer.segmentation(pose, window)
             mask[y0:y1, x0:x1] = np.isin(geoms, self.scene.vehicle_geoms)
         truth = ground_truth(
             self.scene,
             self.trajectory,
             self.intrinsics,
             t_us=t_us,
-            t_s=self.seconds(t_us),
+            t_s=t_s,
             mask=mask,
         )
         return Sample(t_us, luminance, truth)
 
     def _empty_street(self, renderer: FilamentRenderer, data: mujoco.MjData) -> Luminance:
-        return self._whole(renderer, data, self._reach_m + OUT_OF_SIGHT_M)
+        self.scene.vacate(data, self._half_view_rad())
+        return self._whole(renderer, data, self.scene.pose)
 
-    def _whole(
-        self, renderer: FilamentRenderer, data: mujoco.MjData, position_m: float
-    ) -> Luminance:
-        self.scene.place(data, position_m)
+    def _whole(self, renderer: FilamentRenderer, data: mujoco.MjData, pose: Pose) -> Luminance:
         renderer.update(data)
         whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
-        return renderer.luminance(self.scene.pose, whole, supersample=self.config.supersample)
+        return renderer.luminance(pose, whole, supersample=self.config.supersample)
 
     def _fastest_px_s(self, t_us: int) -> float:
         """Image speed of the fastest thing that moves in view; 0 where nothing does."""
-        position = self.position_m(t_us)
-        speed = self.trajectory.speed_m_s(self.seconds(t_us)) / self.trajectory.distance_m
-        flank_px_s = self.intrinsics.focal_px * speed
-        if body_window(self.scene, position, self.intrinsics):
-            return RIM_SPEED * flank_px_s
-        if influence_window(self.scene, position, self.intrinsics):
-            return flank_px_s / BEAM_SOFTNESS
+        t_s = self.seconds(t_us)
+        if body_window(self.scene, t_s, self.intrinsics):
+            return self.scene.fastest_px_s(t_s, self.intrinsics.focal_px)
+        if influence_window(self.scene, t_s, self.intrinsics):
+            return self.scene.fastest_px_s(t_s, self.intrinsics.focal_px) / BEAM_SOFTNESS
         return 0.0
 
     def _half_view_rad(self) -> float:

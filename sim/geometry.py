@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.errors import SceneConfigError
 from sim.scene import Scene
+from sim.triangles import geom_triangles, unit_normals
 
-SEGMENTS = 16
-"""Facets around a cylinder, a capsule or an ellipsoid (assumed: round enough to the eye)."""
-ENDLESS_M = 50.0
-"""Half side that a plane without size is drawn with [m] (assumed)."""
 WORLD = "world"
 """Name of the body that never moves."""
 
 F64 = npt.NDArray[np.float64]
-Triangles = npt.NDArray[np.float64]
-"""(n, 3, 3): triangle, corner, x y z [m]; anticlockwise as seen from outside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +48,7 @@ class BodyPose:
 
 
 class MovingBodies:
-    """The bodies of a scene that move with the vehicle."""
+    """The rigid bodies of a scene that move."""
 
     def __init__(self, scene: Scene) -> None:
         """Find them.
@@ -69,9 +62,9 @@ class MovingBodies:
             scene.model.body(k).name: int(k) for k in np.unique(scene.model.body_weldid) if k
         }
 
-    def poses(self, position_m: float) -> dict[str, BodyPose]:
-        """World poses by the body's name, with the vehicle at a way along its path [m]."""
-        self._scene.place(self._data, position_m)
+    def poses(self, t_s: float) -> dict[str, BodyPose]:
+        """World poses by the body's name, at a time since the target's closest approach [s]."""
+        self._scene.place(self._data, t_s)
         return {
             name: BodyPose(self._data.xpos[k].copy(), self._data.xmat[k].reshape(3, 3).copy())
             for name, k in self._bodies.items()
@@ -109,41 +102,16 @@ def _merged(
     model: mujoco.MjModel, data: mujoco.MjData, body: int, geoms: npt.NDArray[np.int64]
 ) -> BodyMesh:
     visible = [int(k) for k in geoms if model.geom_rgba[k, 3] > 0]
-    soups = [_geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
+    soups = [geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
     colours = [srgb(_linear_colour(model, k)) for k in visible]
     counts = [3 * len(soup) for soup in soups[: len(visible)]]
     triangles = (np.concatenate(soups) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
     return BodyMesh(
         name=model.body(body).name if body else WORLD,
         vertices_m=triangles.reshape(-1, 3).astype(np.float32),
-        normals=np.repeat(_normals(triangles), 3, axis=0).astype(np.float32),
+        normals=np.repeat(unit_normals(triangles), 3, axis=0).astype(np.float32),
         colours=np.repeat(np.array(colours, np.uint8).reshape(-1, 3), counts, axis=0),
     )
-
-
-def _normals(triangles: Triangles) -> F64:
-    """(n, 3) unit normals; zero for a triangle without area."""
-    across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    length = np.linalg.norm(across, axis=1, keepdims=True)
-    normals: F64 = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
-    return normals
-
-
-def _geom_triangles(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Triangles:
-    """A geom's triangles in the world."""
-    kind = mujoco.mjtGeom(model.geom_type[geom])
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
-        local = _mesh(model, int(model.geom_dataid[geom]))
-    elif kind in _SHAPES:
-        local = _SHAPES[kind](model.geom_size[geom])
-    else:
-        allowed = ", ".join(shape.name for shape in (*_SHAPES, mujoco.mjtGeom.mjGEOM_MESH))
-        raise SceneConfigError(
-            f"geom {geom} is of type {kind.name}, which has no triangles here; allowed are "
-            f"{allowed}; replace it by one of these"
-        )
-    world: Triangles = local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-    return world
 
 
 def _linear_colour(model: mujoco.MjModel, geom: int) -> F64:
@@ -162,77 +130,3 @@ def _mean_texel(model: mujoco.MjModel, texture: int) -> F64:
     texels = model.tex_data[start : start + count].reshape(-1, channels)
     mean: F64 = texels[:, :3].mean(axis=0) / 255
     return mean
-
-
-def _mesh(model: mujoco.MjModel, mesh: int) -> Triangles:
-    vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
-    faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
-    return np.asarray(vertices[faces], np.float64)
-
-
-def _box(size: F64) -> Triangles:
-    low, high = [(-1, -1, 1), (1, -1, 1), (1, 1, 1)], [(-1, -1, 1), (1, 1, 1), (-1, 1, 1)]
-    face = np.array([low, high], np.float64)
-    faces = [np.roll(face, turn, axis=2) for turn in range(3)]
-    return np.concatenate([*faces, *(-side[:, ::-1] for side in faces)]) * size
-
-
-def _plane(size: F64) -> Triangles:
-    half = np.where(size[:2] > 0, size[:2], ENDLESS_M)
-    flat: Triangles = _box(np.ones(3))[:2] * [*half, 0.0]
-    return flat
-
-
-def _ellipsoid(size: F64) -> Triangles:
-    polar = np.linspace(-np.pi / 2, np.pi / 2, SEGMENTS // 2 + 1)
-    return _revolved(np.cos(polar), np.sin(polar)) * size
-
-
-def _sphere(size: F64) -> Triangles:
-    return _ellipsoid(np.full(3, size[0]))
-
-
-def _cylinder(size: F64) -> Triangles:
-    radius, half_length = size[0], size[1]
-    return _revolved(
-        np.array([0.0, radius, radius, 0.0]),
-        np.array([-half_length, -half_length, half_length, half_length]),
-    )
-
-
-def _capsule(size: F64) -> Triangles:
-    radius, half_length = size[0], size[1]
-    polar = np.linspace(0, np.pi / 2, SEGMENTS // 4 + 1)
-    cap_radii, cap_heights = radius * np.cos(polar), half_length + radius * np.sin(polar)
-    return _revolved(
-        np.concatenate([cap_radii[::-1], cap_radii]),
-        np.concatenate([-cap_heights[::-1], cap_heights]),
-    )
-
-
-def _revolved(radii: F64, heights: F64) -> Triangles:
-    """Turn a profile, from bottom to top, about the z axis."""
-    angle = np.arange(SEGMENTS + 1) * 2 * np.pi / SEGMENTS
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points = np.empty((len(radii), SEGMENTS + 1, 3))
-    points[..., :2] = radii[:, None, None] * ring
-    points[..., 2] = heights[:, None]
-    a, b = points[:-1, :-1], points[:-1, 1:]
-    c, d = points[1:, 1:], points[1:, :-1]
-    soup = np.stack([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)])
-    return _without_slivers(soup.reshape(-1, 3, 3))
-
-
-def _without_slivers(triangles: Triangles) -> Triangles:
-    """Drop those without area, which a profile that ends on the axis makes."""
-    return triangles[np.any(_normals(triangles) != 0.0, axis=1)]
-
-
-_SHAPES: dict[mujoco.mjtGeom, Callable[[F64], Triangles]] = {
-    mujoco.mjtGeom.mjGEOM_PLANE: _plane,
-    mujoco.mjtGeom.mjGEOM_SPHERE: _sphere,
-    mujoco.mjtGeom.mjGEOM_CAPSULE: _capsule,
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: _ellipsoid,
-    mujoco.mjtGeom.mjGEOM_CYLINDER: _cylinder,
-    mujoco.mjtGeom.mjGEOM_BOX: _box,
-}

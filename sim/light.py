@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.config import CrossingConfig, Lighting
 from sim.errors import SceneConfigError
 
 SKY_SHARE = 0.25
 """Part of a clear day's horizontal illuminance that comes from the sky, not the sun (assumed)."""
-SUN_ELEVATION_RAD, SUN_AZIMUTH_RAD = math.radians(48), math.radians(-30)
-"""The sun stands behind the camera's left shoulder (assumed): azimuth from the optical axis."""
 NIGHT_SKY_CD_M2 = 0.01
 """Zenith over a lit city; a dark site has 0.0002 (assumed)."""
 
@@ -26,11 +26,14 @@ LAMP_CUTOFF_DEG, LAMP_SOFTNESS = 75.0, 0.3
 """A street lamp's cone, and the outer part of it over which its light fades (assumed)."""
 LAMP_RANGE_M = 60.0
 """Where Filament lets a lamp's light end: far beyond what is in view (assumed)."""
-HEAD_LAMP_SOFTNESS = 0.8
-"""Part of a beam over which its light fades (assumed)."""
-HEAD_LAMP_CD, HEAD_LAMP_CUTOFF_DEG, HEAD_LAMP_DIP = 8_000.0, 12.0, 0.21
-"""Dipped beam: candela, cone, and slope below the horizontal, steep enough that nothing above the
-lamp is lit (assumed; UNECE R112 allows a passing beam no more than 44 kcd)."""
+BEAM_SOFTNESS = 0.8
+"""Part of a beam, from its rim inwards, over which its light fades (assumed)."""
+HOT_CD, HOT_CUTOFF_DEG, HOT_DIP = 10_000.0, 5.0, math.tan(math.radians(5.5))
+"""The middle of a dipped beam, one a lamp: candela, cone, and slope below the horizontal, so steep
+that nothing above the lamp is lit (assumed; UNECE R112 allows a passing beam 44 kcd at most)."""
+SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(16.5))
+"""Its spread to the sides and the near road, a lamp; all of a vehicle's shines from their middle
+(assumed)."""
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
 """Luminance of the lenses as seen from the side (assumed)."""
 OFF_EMISSION = 1e-12
@@ -41,17 +44,62 @@ EMISSION_CD_M2 = 0.3 / 2.604e-5
 """Luminance of a material of emission 1: Filament's multiplier over its exposure (measured)."""
 
 SKY_TEXTURE = "sky"
+LAMP_LENS = "mains_lamp_lens"
+"""Material of the street lamps' lenses; the names of all that is on the mains begin alike."""
+DUSK_LAMPS_LUX = 10.0
+"""What the street lamps add to the sky's light at dusk: as at night."""
 WHITE = (1.0, 1.0, 1.0)
 """A light's colour scales its intensity, and MuJoCo's default is a grey of 0.7."""
 
 
-def add_day(spec: mujoco.MjSpec, illuminance_lux: float) -> None:
-    """Add sun and uniform sky that together give `illuminance_lux` on open level ground."""
-    sun_lux = illuminance_lux * (1 - SKY_SHARE) / math.sin(SUN_ELEVATION_RAD)
+@dataclass(frozen=True)
+class Flicker:
+    """Light of lamps on alternating current: a sinusoid about its mean.
+
+    Attributes:
+        rate_hz: twice the mains' frequency [Hz].
+        depth: (max - min) / (max + min).
+    """
+
+    rate_hz: float
+    depth: float
+
+    def factor(self, t_s: float) -> float:
+        """Luminous flux at a time [s], relative to its mean."""
+        return 1.0 + self.depth * math.cos(2 * math.pi * self.rate_hz * t_s)
+
+
+def add_light(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
+    """Add what lights the street, so that the road gets the illuminance asked for.
+
+    By day sun and sky; at night street lamps; at dusk the sky and, up to half of all, the lamps.
+    """
+    lux = config.illuminance
+    if config.lighting is Lighting.DAY:
+        add_day(spec, lux, sun_direction(config.sun_azimuth_deg, config.sun_elevation_deg))
+        return
+    lamps = np.array([site.pos for site in spec.sites if site.name.startswith("street_lamp")])
+    if config.lighting is Lighting.DUSK:
+        sky_cd_m2 = max(lux - DUSK_LAMPS_LUX, lux / 2) / math.pi
+    else:
+        sky_cd_m2 = NIGHT_SKY_CD_M2
+    add_night(spec, lux, lamps, sky_cd_m2)
+    set_luminance(spec.material(LAMP_LENS), STREET_LAMP_CD_M2)
+
+
+def add_day(spec: mujoco.MjSpec, illuminance_lux: float, to_sun: npt.NDArray[np.float64]) -> None:
+    """Add sun and uniform sky that together give `illuminance_lux` on open level ground.
+
+    Args:
+        spec: the scene.
+        illuminance_lux: wanted [lux].
+        to_sun: (3,) unit vector from the ground to the sun.
+    """
+    sun_lux = illuminance_lux * (1 - SKY_SHARE) / float(to_sun[2])
     spec.worldbody.add_light(
         name="sun",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        dir=-sun_direction(),
+        dir=-to_sun,
         diffuse=WHITE,
         intensity=sun_lux,
         castshadow=True,
@@ -60,7 +108,10 @@ def add_day(spec: mujoco.MjSpec, illuminance_lux: float) -> None:
 
 
 def add_night(
-    spec: mujoco.MjSpec, illuminance_lux: float, lamps_m: npt.NDArray[np.float64]
+    spec: mujoco.MjSpec,
+    illuminance_lux: float,
+    lamps_m: npt.NDArray[np.float64],
+    sky_cd_m2: float = NIGHT_SKY_CD_M2,
 ) -> None:
     """Add street lamps that together give `illuminance_lux` on the road at the origin, and a sky.
 
@@ -68,8 +119,9 @@ def add_night(
         spec: the scene.
         illuminance_lux: wanted [lux].
         lamps_m: (n, 3) positions [m]; each shines straight down.
+        sky_cd_m2: luminance of the sky.
     """
-    sky_lux = math.pi * NIGHT_SKY_CD_M2
+    sky_lux = math.pi * sky_cd_m2
     candela = max(illuminance_lux - sky_lux, 0.0) / unit_illuminance(lamps_m)
     for k, position in enumerate(lamps_m):
         spec.worldbody.add_light(
@@ -84,36 +136,55 @@ def add_night(
             range=LAMP_RANGE_M,
             castshadow=True,
         )
-    _add_sky(spec, NIGHT_SKY_CD_M2)
+    _add_sky(spec, sky_cd_m2)
 
 
 def add_head_lamps(body: mujoco.MjsBody, positions_m: npt.NDArray[np.float64]) -> None:
-    """Add a vehicle's dipped beams, which move with `body` and shine along its x axis."""
+    """Add a vehicle's dipped beams, which move with `body` and shine along its x axis.
+
+    Args:
+        body: the vehicle's.
+        positions_m: (n, 3) of its head lamps, in the body's frame.
+    """
     for k, position in enumerate(positions_m):
-        body.add_light(
-            name=f"head_lamp_{k}",
-            type=mujoco.mjtLightType.mjLIGHT_SPOT,
-            pos=position,
-            dir=[1, 0, -HEAD_LAMP_DIP],
-            diffuse=WHITE,
-            intensity=HEAD_LAMP_CD,
-            cutoff=HEAD_LAMP_CUTOFF_DEG,
-            softness=HEAD_LAMP_SOFTNESS,
-            range=LAMP_RANGE_M,
-            castshadow=False,
-        )
+        _add_beam(body, f"head_lamp_{k}", position, HOT_CD, HOT_CUTOFF_DEG, HOT_DIP)
+    spread_cd = SPREAD_CD * len(positions_m)
+    middle = positions_m.mean(axis=0)
+    _add_beam(body, "head_lamp_spread", middle, spread_cd, SPREAD_CUTOFF_DEG, SPREAD_DIP)
 
 
-def sun_direction() -> npt.NDArray[np.float64]:
-    """(3,) unit vector from the ground to the sun."""
-    level = math.cos(SUN_ELEVATION_RAD)
-    return np.array(
-        [
-            level * math.sin(SUN_AZIMUTH_RAD),
-            -level * math.cos(SUN_AZIMUTH_RAD),
-            math.sin(SUN_ELEVATION_RAD),
-        ]
+def _add_beam(
+    body: mujoco.MjsBody,
+    name: str,
+    position_m: npt.NDArray[np.float64],
+    candela: float,
+    cutoff_deg: float,
+    dip: float,
+) -> None:
+    body.add_light(
+        name=name,
+        type=mujoco.mjtLightType.mjLIGHT_SPOT,
+        pos=position_m,
+        dir=[1, 0, -dip],
+        diffuse=WHITE,
+        intensity=candela,
+        cutoff=cutoff_deg,
+        softness=BEAM_SOFTNESS,
+        range=LAMP_RANGE_M,
+        castshadow=False,
     )
+
+
+def sun_direction(azimuth_deg: float, elevation_deg: float) -> npt.NDArray[np.float64]:
+    """(3,) unit vector from the ground to the sun.
+
+    Args:
+        azimuth_deg: 0 is the world's y, away from the camera, positive to the right.
+        elevation_deg: over the horizon.
+    """
+    azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
+    level = math.cos(elevation)
+    return np.array([level * math.sin(azimuth), level * math.cos(azimuth), math.sin(elevation)])
 
 
 def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:

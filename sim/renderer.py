@@ -10,31 +10,28 @@ from __future__ import annotations
 import copy
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
-import cv2
 import mujoco
 import mujoco.studio.window  # registers Filament's material assets
 import numpy as np
 import numpy.typing as npt
 from mujoco import mjrf
 
+from sim.aperture import REACH_PX, to_pixels
 from sim.camera import Intrinsics, Pose
 from sim.light import relative_luminance
 from sim.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
 """Filament's default exposure (f/16, 1/125 s, ISO 100): what it multiplies a luminance by."""
-LENS_BLUR_PX = 0.35
-"""Deviation of the lens's point spread [sensor px] (assumed; a third of a pixel)."""
 NO_SHADOW_GROUP = 2
 """Geoms of this group cast no shadow: the shadow pass costs by the piece."""
 NEAR_M, FAR_M = 0.05, 120.0
 """Clipping planes: before the lens, and beyond the street's ends (assumed)."""
-_BLUR_MARGIN_PX = 2
 
 Window = tuple[int, int, int, int]
 """x0, y0, x1, y1 [px], half-open."""
@@ -66,7 +63,7 @@ class FilamentRenderer:
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
         self._renderables.update(mujoco.MjData(model))  # makes them
         self._shadowless = [
-            self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, int(geom), -1)
+            self._renderable(int(geom))
             for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
         ]
         self._targets: dict[Any, Any] = {}
@@ -117,14 +114,39 @@ class FilamentRenderer:
             (y1 - y0, x1 - x0) float32 [cd/m²].
         """
         outer = self._grown(window)
-        fine = self._draw(pose, outer, supersample, mjrf.PixelFormat.PIXEL_FORMAT_R32F)
-        sigma = LENS_BLUR_PX * supersample
-        fine = cv2.GaussianBlur(fine, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
-        size = (outer[2] - outer[0], outer[3] - outer[1])
-        pixels = cv2.resize(fine, size, interpolation=cv2.INTER_AREA) if supersample > 1 else fine
+        pixels = to_pixels(self.fine(pose, outer, supersample), supersample)
         x, y = window[0] - outer[0], window[1] - outer[1]
         inner = pixels[y : y + window[3] - window[1], x : x + window[2] - window[0]]
-        return np.asarray(inner / np.float32(EXPOSURE), np.float32)
+        return np.ascontiguousarray(inner)
+
+    def fine(self, pose: Pose, window: Window, supersample: int) -> Luminance:
+        """Luminance at the fine points of a window of the image, as drawn, not filtered.
+
+        Args:
+            pose: the camera's.
+            window: which pixels.
+            supersample: points per pixel and axis.
+
+        Returns:
+            ((y1 - y0) · supersample, (x1 - x0) · supersample) float32 [cd/m²].
+        """
+        fine = self._draw(pose, window, supersample, mjrf.PixelFormat.PIXEL_FORMAT_R32F)
+        return np.asarray(fine / np.float32(EXPOSURE), np.float32)
+
+    @contextmanager
+    def hidden(self, geoms: Iterable[int]) -> Iterator[None]:
+        """Take geoms, and the shadows they cast, out of the picture for a while."""
+        renderables = [self._renderable(geom) for geom in geoms]
+        for renderable in renderables:
+            self._scene.remove_renderable(renderable)
+        try:
+            yield
+        finally:
+            for renderable in renderables:
+                self._scene.add_renderable(renderable)
+
+    def _renderable(self, geom: int) -> Any:
+        return self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, geom, -1)
 
     def segmentation(self, pose: Pose, window: Window) -> npt.NDArray[np.int32]:
         """Which geom each pixel's middle shows.
@@ -148,7 +170,7 @@ class FilamentRenderer:
         return self._draw(pose, whole, scale, rgb, post_processing=True)
 
     def _grown(self, window: Window) -> Window:
-        m, i = _BLUR_MARGIN_PX, self.intrinsics
+        m, i = REACH_PX, self.intrinsics
         x0, y0, x1, y1 = window
         return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
 

@@ -1,11 +1,9 @@
-"""From a configuration to a MuJoCo model: street, vehicle, lights and camera, put together."""
+"""From a configuration to a MuJoCo model with its motion: street, vehicles, lights and camera."""
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -14,25 +12,21 @@ import numpy.typing as npt
 from sim import light
 from sim.camera import Pose
 from sim.config import CrossingConfig, Direction, Lighting
+from sim.light import Flicker
+from sim.motion import Motion, Travel
+from sim.movers import add_movers, heading, moving_things
+from sim.objects import MovingObject, box_corners_m
+from sim.shake import Shake, camera_shake
+from sim.street import build_street
+from sim.trajectory import Trajectory
+from sim.trees import Tree
+from sim.vehicles import FLANK_M
 
-ASSETS = Path(__file__).parent / "assets"
 CAMERA_HEIGHT_M = 1.2
 """Above the road, on a tripod (assumed)."""
-FLANK_M = 0.9
-"""From the vehicle's middle to its flank, as `sedan.xml` has it; `distance_m` is measured to it."""
-WHEEL_RADIUS_M, RIM_RADIUS_M = 0.32, 0.21
-"""A tyre's outer radius, and that of the spokes, as `sedan.xml` has them; the tyre itself bears no
-mark that turns."""
-BODY_BOX_M = np.array([[-2.35, -0.92, 0.0], [2.35, 0.92, 1.5]])
-"""Corners of a box around the car of `sedan.xml`, in its own frame [m]."""
-PARKED = (
-    (-7.4, 6.35, 0.0, (0.05, 0.05, 0.055)),
-    (5.6, 6.4, math.pi, (0.25, 0.05, 0.04)),
-)
-"""Parked cars: x [m], y [m], heading [rad], linear colour (assumed)."""
-PREVIEW_LUX = 60_000.0
-"""What the preview's eye is adapted to (by eye)."""
-PREVIEW_SKY_RGB = (170, 205, 255)
+OUT_OF_SIGHT_M = 6.0
+"""How far beyond the view a vehicle stands, its lamps shining away, while the empty street is
+drawn; not farther, since the shadow map is fitted to all that casts a shadow."""
 
 _ROLL_RAD = {
     Direction.RIGHT: 0.0,
@@ -41,52 +35,128 @@ _ROLL_RAD = {
     Direction.DOWN: -math.pi / 2,
 }
 
+F64 = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.int64]
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Scene:
-    """A model ready to be moved and drawn.
+    """A model that can be placed at any time, and drawn.
+
+    Times are seconds since the target's closest approach.
 
     Attributes:
         model: the colours as authored.
-        pose: the camera's.
-        vehicle_geoms: numbers of the geoms that are the target.
-        heading: +1 where the vehicle drives along the world's x, -1 against it.
+        pose: the camera's, at rest.
         config: what it was made from.
+        trajectory: the target's.
+        objects: what moves in this configuration, the target first.
+        motions: how each of `objects` does.
+        shake: how the camera does; None where it rests.
+        flicker: of the lamps on the mains; None where they don't.
+        mains_lights: (k,) lights on the mains: the street lamps.
+        mains_materials: (k,) materials that glow with them: their lenses, lit windows.
     """
 
     model: mujoco.MjModel
     pose: Pose
-    vehicle_geoms: npt.NDArray[np.int64]
-    heading: int
     config: CrossingConfig
+    trajectory: Trajectory
+    objects: tuple[MovingObject, ...]
+    motions: tuple[Motion, ...]
+    shake: Shake | None
+    flicker: Flicker | None
+    mains_lights: Numbers
+    mains_materials: Numbers
 
-    def place(self, data: mujoco.MjData, position_m: float) -> None:
-        """Put the vehicle at a way along its path [m], its wheels turned to match."""
-        data.joint("vehicle/travel").qpos[0] = position_m
-        for name in ("front_right", "front_left", "rear_right", "rear_left"):
-            data.joint(f"vehicle/wheel_{name}").qpos[0] = position_m / WHEEL_RADIUS_M
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_camlight(self.model, data)
+    @property
+    def target(self) -> MovingObject:
+        """The vehicle whose motion is to be detected."""
+        return self.objects[0]
 
-    def body_corners_m(self, position_m: float) -> npt.NDArray[np.float64]:
-        """(8, 3) world corners of the box around the vehicle at a way along its path."""
-        corners = np.array(np.meshgrid(*BODY_BOX_M.T)).reshape(3, -1).T
-        shift = np.array([position_m, 0, 0])
-        return np.asarray((corners + shift) * [self.heading, 1, 1])
+    @property
+    def vehicle_geoms(self) -> Numbers:
+        """Numbers of the geoms that are the target."""
+        return self.target.geoms
 
-    def flank_m(self, position_m: float) -> npt.NDArray[np.float64]:
-        """(4, 3) world corners of the near flank's rectangle at a way along its path."""
-        (back, _, low), (front, _, high) = BODY_BOX_M
-        ends = [(x, z) for x in (back, front) for z in (low, high)]
-        return np.array([[self.heading * (x + position_m), -FLANK_M, z] for x, z in ends])
+    @property
+    def heading(self) -> int:
+        """+1 where the target drives along the world's x, -1 against it."""
+        return heading(self.config.direction)
+
+    def place(self, data: mujoco.MjData, t_s: float) -> None:
+        """Set every joint for a time [s], and work out where bodies and lights are."""
+        for motion in self.motions:
+            motion.place(data.qpos, t_s)
+        self._update(data)
+
+    def vacate(self, data: mujoco.MjData, half_view_rad: float) -> None:
+        """Put what drives or walks out of sight, beyond the right or left end of a view.
+
+        Args:
+            data: to set.
+            half_view_rad: half the angle that the camera sees along the street.
+        """
+        self.place(data, 0.0)
+        for item, motion in zip(self.objects, self.motions, strict=True):
+            if isinstance(motion, Travel):
+                way = self.reach_m(item, half_view_rad) + OUT_OF_SIGHT_M
+                motion.put(data.qpos, way, 0.0)
+        self._update(data)
+
+    def reach_m(self, item: MovingObject, half_view_rad: float) -> float:
+        """From this far off the middle of the street's view, an object's box is out of it [m]."""
+        (back, right, _), (front, left, _) = item.box_m
+        depth_m = self._middle_depth_m(item) + float(max(-right, left))
+        return depth_m * math.tan(half_view_rad) + float(max(-back, front))
+
+    def _middle_depth_m(self, item: MovingObject) -> float:
+        return float(self.model.body_pos[item.root, 1] - self.pose.position_m[1])
+
+    def _near_depth_m(self, item: MovingObject) -> float:
+        (_, right, _), (_, left, _) = item.box_m
+        return self._middle_depth_m(item) - float(max(-right, left))
+
+    def pose_at(self, t_s: float) -> Pose:
+        """The camera's at a time [s]."""
+        return self.pose if self.shake is None else self.shake.turned(self.pose, t_s)
+
+    def mains_factor(self, t_s: float) -> float:
+        """Luminous flux of the lamps on the mains at a time [s], relative to its mean."""
+        return 1.0 if self.flicker is None else self.flicker.factor(t_s)
+
+    def fastest_px_s(self, t_s: float, focal_px: float) -> float:
+        """A bound on how fast anything moves in the image near its middle [px/s]."""
+        rates = [
+            motion.fastest_m_s(t_s) / self._near_depth_m(item)
+            for item, motion in zip(self.objects, self.motions, strict=True)
+        ]
+        turning = 0.0 if self.shake is None else self.shake.fastest_rad_s(t_s)
+        return focal_px * (max(rates) + turning)
+
+    def body_corners_m(self, position_m: float) -> F64:
+        """(8, 3) world corners of the box around the target at a way along its path."""
+        return self._in_world(box_corners_m(self.target.box_m), position_m)
+
+    def flank_m(self, position_m: float) -> F64:
+        """(4, 3) world corners of the target's near flank, a rectangle as long to front and back.
+
+        Its middle is where the target's origin is, along the road.
+        """
+        (back, _, low), (front, _, high) = self.target.box_m
+        half = max(-back, front)
+        ends = [(x, 0.0, z) for x in (-half, half) for z in (low, high)]
+        corners = self._in_world(np.array(ends), position_m)
+        corners[:, 1] = -FLANK_M
+        return corners
 
     @property
     def has_beams(self) -> bool:
-        """Whether the vehicle's lamps light the road."""
-        return self.config.lighting is Lighting.NIGHT
+        """Whether vehicles' lamps light the road."""
+        return any(item.lamps.size for item in self.objects)
 
     @property
-    def casters_m(self) -> list[npt.NDArray[np.float64]]:
+    def casters_m(self) -> list[F64]:
         """Where the lights that cast shadows are: (4,) homogeneous; the last is 0 for the sun."""
         model, found = self.model, []
         for k in np.flatnonzero(model.light_castshadow):
@@ -96,81 +166,58 @@ class Scene:
                 found.append(np.append(model.light_pos[k], 1.0))
         return found
 
+    def _in_world(self, points_m: F64, position_m: float) -> F64:
+        """Points of the target's frame at a way along its path."""
+        y_m = float(self.model.body_pos[self.target.root, 1])
+        forward = np.array([self.heading, self.heading, 1.0])
+        shift = np.array([self.heading * position_m, y_m, 0.0])
+        return np.asarray(points_m * forward + shift)
+
+    def _update(self, data: mujoco.MjData) -> None:
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_camlight(self.model, data)
+
 
 def build_scene(config: CrossingConfig) -> Scene:
-    """Compose the scene that `config` asks for, and compile it."""
-    model = compose(config).compile()
+    """Compose the scene that `config` asks for, and compile it.
+
+    Raises:
+        SceneConfigError: a file is missing.
+    """
+    spec, trees = _composed(config)
+    model = spec.compile()
     pose = Pose(np.array([0.0, -(config.distance + FLANK_M), CAMERA_HEIGHT_M]))
+    trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
+    moving = moving_things(model, config, trajectory, trees)
+    extra = config.distractors
     return Scene(
         model=model,
         pose=pose.rolled(_ROLL_RAD[config.direction]),
-        vehicle_geoms=_geoms_of(model, "vehicle/"),
-        heading=-1 if config.direction is Direction.LEFT else 1,
         config=config,
+        trajectory=trajectory,
+        objects=tuple(item for item, _ in moving),
+        motions=tuple(motion for _, motion in moving),
+        shake=camera_shake(extra.shake_rms_deg, extra.shake_corner_hz, extra.seed)
+        if extra.shakes
+        else None,
+        flicker=Flicker(extra.flicker_hz, extra.flicker_depth) if extra.flickers else None,
+        mains_lights=_named([model.light(k).name for k in range(model.nlight)], "street_lamp"),
+        mains_materials=_named([model.mat(k).name for k in range(model.nmat)], "mains_"),
     )
 
 
 def compose(config: CrossingConfig) -> mujoco.MjSpec:
-    """Street, parked cars, vehicle and lights, not yet compiled."""
-    spec = _street()
-    heading = -1 if config.direction is Direction.LEFT else 1
-    _park(spec)
-    _add_vehicle(spec, heading, lit=config.lighting is Lighting.NIGHT)
-    if config.lighting is Lighting.DAY:
-        light.add_day(spec, config.illuminance)
-    else:
-        lamps = np.array([site.pos for site in spec.sites if "street_lamp" in site.name])
-        light.add_night(spec, config.illuminance, lamps)
-        light.set_luminance(spec.material("lamp_lens"), light.STREET_LAMP_CD_M2)
-    return spec
+    """Street, parked cars, vehicles and lights, not yet compiled."""
+    return _composed(config)[0]
 
 
-def preview_model(scene: Scene) -> mujoco.MjModel:
-    """The scene in colour, its light scaled to what a picture for the eye is exposed for."""
-    model = copy.copy(scene.model)
-    gain = PREVIEW_LUX / scene.config.illuminance
-    model.light_intensity[:] *= gain
-    model.mat_emission[:] *= gain**0.25  # lamps in full would lose their hue
-    sky = int(model.tex_adr[model.texture(light.SKY_TEXTURE).id])
-    model.tex_data[sky:].reshape(-1, 3)[:] = PREVIEW_SKY_RGB
-    return model
+def _composed(config: CrossingConfig) -> tuple[mujoco.MjSpec, tuple[Tree, ...]]:
+    dark, windy = config.lighting is not Lighting.DAY, config.distractors.wind_grade > 0
+    spec, trees = build_street(config.street_seed, dark=dark, windy=windy)
+    add_movers(spec, config)
+    light.add_light(spec, config)
+    return spec, trees
 
 
-def _street() -> mujoco.MjSpec:
-    return mujoco.MjSpec.from_file(str(ASSETS / "street.xml"))
-
-
-def _sedan(*, lit: bool) -> mujoco.MjSpec:
-    car = mujoco.MjSpec.from_file(str(ASSETS / "sedan.xml"))
-    for name, luminance, glow in (
-        ("head_lamp", light.HEAD_LAMP_CD_M2, light.WHITE),
-        ("tail_lamp", light.TAIL_LAMP_CD_M2, light.TAIL_LAMP_RGB),
-    ):
-        light.set_luminance(car.material(name), luminance if lit else 0.0, glow)
-    return car
-
-
-def _park(spec: mujoco.MjSpec) -> None:
-    for k, (x, y, heading, colour) in enumerate(PARKED):
-        car = _sedan(lit=False)
-        for joint in list(car.joints):
-            car.delete(joint)
-        car.material("paint").rgba = [*colour, 1]
-        half = heading / 2
-        frame = spec.worldbody.add_frame(pos=[x, y, 0], quat=[math.cos(half), 0, 0, math.sin(half)])
-        spec.attach(car, prefix=f"parked_{k}/", frame=frame)
-
-
-def _add_vehicle(spec: mujoco.MjSpec, heading: int, *, lit: bool) -> None:
-    car = _sedan(lit=lit)
-    if lit:
-        lamps = np.array([site.pos for site in car.sites if "head_lamp" in site.name])
-        light.add_head_lamps(car.body("sedan"), lamps)
-    turn = [1, 0, 0, 0] if heading > 0 else [0, 0, 0, 1]
-    frame = spec.worldbody.add_frame(pos=[0, 0, 0], quat=turn)
-    spec.attach(car, prefix="vehicle/", frame=frame)
-
-
-def _geoms_of(model: mujoco.MjModel, prefix: str) -> npt.NDArray[np.int64]:
-    bodies = [k for k in range(model.nbody) if model.body(k).name.startswith(prefix)]
-    return np.flatnonzero(np.isin(model.geom_bodyid, bodies))
+def _named(names: list[str], prefix: str) -> Numbers:
+    return np.array([k for k, name in enumerate(names) if name.startswith(prefix)], np.int64)

@@ -78,8 +78,9 @@ def ground_truth(
     """
     direction = scene.config.direction
     position = trajectory.position_m(t_s)
-    corners, _ = project(scene.flank_m(position), scene.pose, intrinsics)
-    body, _ = project(scene.body_corners_m(position), scene.pose, intrinsics)
+    pose = scene.pose_at(t_s)
+    corners, _ = project(scene.flank_m(position), pose, intrinsics)
+    body, _ = project(scene.body_corners_m(position), pose, intrinsics)
     speed_px_s = intrinsics.focal_px * trajectory.speed_m_s(t_s) / trajectory.distance_m
     return GroundTruth(
         t_us=t_us,

@@ -32,13 +32,21 @@ BRIGHTEST_SHARE = 0.995
 class Recorder:
     """One recording; use it as a context manager, so that all of it is written."""
 
-    def __init__(self, path: Path, *, crossing: Crossing, parameters: Mapping[str, object]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        crossing: Crossing,
+        parameters: Mapping[str, object],
+        has_maps: bool = True,
+    ) -> None:
         """Begin the file with all that does not change with time.
 
         Args:
             path: the .rrd file; one that exists is replaced.
             crossing: what is recorded.
             parameters: of the run, by name; see `log_parameters`.
+            has_maps: whether the detector has a fly's maps, and the view a place for them.
 
         Raises:
             OSError: the file cannot be written.
@@ -54,7 +62,7 @@ class Recorder:
         self._stream = rr.RecordingStream(APPLICATION)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
-        self._stream.save(path, default_blueprint=blueprint(crossing))
+        self._stream.save(path, default_blueprint=blueprint(crossing, has_maps=has_maps))
         log_parameters(self._stream, parameters)
         log_stage(self._stream, crossing)
 
@@ -116,11 +124,11 @@ class Recorder:
         columns.scalar(at.ANGULAR_VELOCITY, t_us, truth.angular_velocity_rad_s)
         columns.scalar(at.IMAGE_VELOCITY_X, t_us, float(truth.image_velocity_px_s[0]))
         columns.scalar(at.IMAGE_VELOCITY_Y, t_us, float(truth.image_velocity_px_s[1]))
-        for name, pose in self._bodies.poses(truth.position_m).items():
+        for name, pose in self._bodies.poses(self._crossing.seconds(t_us)).items():
             columns.pose(body_path(name), t_us, pose)
 
     def log_estimate(self, estimate: MotionEstimate, maps: FlyMaps | None = None) -> None:
-        """Show what the fly concluded at the end of a window, and the maps that led to it."""
+        """Show what was concluded at the end of a window, and the fly's maps that led to it."""
         t_us, columns, direction = estimate.t_us, self._columns, estimate.direction
         columns.scalar(at.HS, t_us, estimate.hs)
         columns.scalar(at.VS, t_us, estimate.vs)

@@ -3,8 +3,8 @@
 import pytest
 
 from scenarios.config import RunConfig
-from scenarios.pipeline import Stopwatch, ViewSpan, make_crossing, make_fly, run_steps
-from scenarios.summary import judge
+from scenarios.judgement import Track, judge
+from scenarios.pipeline import Stopwatch, make_crossing, make_detector, note, run_steps
 from sim import CrossingConfig, Direction, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
@@ -23,12 +23,12 @@ def test_direction_is_right_in_every_step(lighting: Lighting, direction: Directi
             supersample=1,
         )
     )
-    crossing, fly = make_crossing(config), make_fly(config)
-    view, estimates = ViewSpan(), []
-    for step in run_steps(config, crossing, fly, Stopwatch()):
-        view.add(step.sample.truth)
+    crossing, detector = make_crossing(config), make_detector(config)
+    track, estimates = Track(), []
+    for step in run_steps(config, crossing, detector, Stopwatch()):
+        note(track, step.sample.truth)
         estimates += step.estimates
-    found = judge(estimates, direction, view.span_us)
+    found = judge(estimates, direction, track.in_view_us, track)
     assert found["accuracy_after_100ms"] == 1.0
     assert found["direction"] == direction.value
     assert found["steps_in_view"] > 50

@@ -62,7 +62,7 @@ def test_the_summary_is_the_contract(ran: tuple[Path, str]) -> None:
 
 def test_the_table_says_it_and_how_to_look(ran: tuple[Path, str]) -> None:
     folder, printed = ran
-    for words in ("true direction", "shot noise", "the fly's verdict", "flybench view"):
+    for words in ("true direction", "shot noise", "its verdict", "flybench view"):
         assert words in printed
     assert folder.name in printed
 

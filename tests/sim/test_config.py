@@ -13,7 +13,7 @@ from sim.config import DISTANCE_M, Lighting
         ("omega_rad_s", -1.0),
         ("omega_rad_s", 0.0),
         ("omega_rad_s", float("nan")),
-        ("lighting", "dusk"),
+        ("lighting", "twilight"),
         ("direction", "north"),
         ("profile", "sine"),
         ("distance_m", 0.5),

@@ -5,7 +5,7 @@ import pytest
 from sim import CrossingConfig, Direction
 from sim.errors import SceneConfigError
 from sim.geometry import WORLD, BodyMesh, MovingBodies, body_meshes, srgb
-from sim.scene import BODY_BOX_M, WHEEL_RADIUS_M, build_scene
+from sim.scene import build_scene
 
 
 def model_of(geom: str) -> mujoco.MjModel:
@@ -89,7 +89,7 @@ def test_the_street_stands_still_and_the_vehicle_has_five_moving_parts() -> None
     moving = set(MovingBodies(scene).poses(0.0))
     assert len(moving) == 5
     assert set(meshes) == {WORLD, *moving}
-    low, high = BODY_BOX_M
+    low, high = scene.target.box_m
     body = meshes["vehicle/sedan"].vertices_m
     assert np.all((body >= low - 0.05) & (body <= high + 0.05))
 
@@ -98,15 +98,16 @@ def test_the_street_stands_still_and_the_vehicle_has_five_moving_parts() -> None
 def test_bodies_follow_the_vehicle(direction: Direction) -> None:
     scene = build_scene(CrossingConfig(direction=direction))
     bodies = MovingBodies(scene)
-    before, after = bodies.poses(0.0), bodies.poses(2.0)
+    before, after = bodies.poses(0.0), bodies.poses(scene.trajectory.time_at_s(2.0))
     for name, pose in after.items():
         moved = pose.position_m - before[name].position_m
         np.testing.assert_allclose(moved, [2.0 * scene.heading, 0, 0], atol=1e-9)
 
 
 def test_a_wheel_turns_as_far_as_it_rolls() -> None:
-    bodies = MovingBodies(build_scene(CrossingConfig()))
-    quarter_m = WHEEL_RADIUS_M * np.pi / 2
-    before, after = (bodies.poses(x)["vehicle/wheel_front_left"] for x in (0.0, quarter_m))
+    scene = build_scene(CrossingConfig())
+    bodies = MovingBodies(scene)
+    quarter_s = scene.trajectory.time_at_s(0.32 * np.pi / 2)
+    before, after = (bodies.poses(t_s)["vehicle/wheel_front_left"] for t_s in (0.0, quarter_s))
     turned = after.rotation @ before.rotation.T
     np.testing.assert_allclose(turned @ [0, 0, 1], [1, 0, 0], atol=1e-9)

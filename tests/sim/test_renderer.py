@@ -15,6 +15,7 @@ from sim.vulkan import vulkan_devices
 LENS = Intrinsics(width=64, height=48, focal_px=60.0)
 WHOLE = (0, 0, LENS.width, LENS.height)
 ABOVE = Pose(np.array([0.0, 0.0, 3.0]), up=np.array([0.0, 1.0, 0.0]))
+SUN = light.sun_direction(-150, 48)
 MATTE = 'metallic="0" roughness="1"'
 
 
@@ -61,7 +62,7 @@ def test_a_white_lambertian_plane_reads_illuminance_over_pi(lux: float) -> None:
 
 @pytest.mark.parametrize("lux", [0.1, 10.0, 100_000.0])
 def test_sun_and_sky_together_give_the_illuminance_asked_for(lux: float) -> None:
-    image = look(white_plane(lambda spec: light.add_day(spec, lux)))
+    image = look(white_plane(lambda spec: light.add_day(spec, lux, SUN)))
     assert np.median(image) * np.pi == pytest.approx(lux, rel=0.03)
 
 
@@ -85,6 +86,33 @@ def test_a_lens_glows_with_the_luminance_set() -> None:
     assert look(white_plane(lamp, assets=red, geoms=box)) == pytest.approx(400, rel=0.03)
 
 
+def test_a_dipped_beam_lights_a_wall_ahead_up_to_the_lamp_and_no_higher() -> None:
+    """One lamp 10 m before a white wall: E = I cos³θ / d² on the beam's axis, and dark above."""
+    spec = mujoco.MjSpec.from_string(f"""
+    <mujoco>
+      <custom><numeric name="filament.ao.enabled" data="0"/></custom>
+      <asset><material name="white" rgba="1 1 1 1" {MATTE}/></asset>
+      <worldbody>
+        <geom type="box" size=".1 20 20" pos="10.1 0 0" material="white"/><body name="car"/>
+      </worldbody>
+    </mujoco>""")
+    light.add_head_lamps(spec.body("car"), np.array([[0.0, 0.0, 0.66]]))
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    pose = Pose(np.array([0.0, 0.0, 0.66]), right=np.array([0.0, -1.0, 0.0]))
+    with FilamentRenderer(luminance_model(model), LENS) as renderer:
+        renderer.update(data)
+        image = renderer.luminance(pose, WHOLE)
+    assert image[:23].max() < 1e-3
+    row = 24 + round(LENS.focal_px * light.HOT_DIP)
+    cosine = np.cos(np.arctan(light.HOT_DIP))
+    hot_lux = light.HOT_CD * cosine**3 / 10**2
+    spread_lux = light.SPREAD_CD / 10**2
+    assert 0.95 * hot_lux < image[row, 32] * np.pi < 1.02 * (hot_lux + spread_lux)
+    assert image[row, 2] * np.pi < 0.1 * spread_lux
+
+
 def test_colour_counts_by_its_luminance() -> None:
     green = f'<material name="green" rgba="0 .5 0 1" {MATTE}/>'
     box = '<geom type="box" size="9 9 .01" pos="0 0 .01" material="green"/>'
@@ -104,7 +132,7 @@ def test_an_edge_is_anti_aliased_by_area() -> None:
 
 
 def test_the_same_frame_twice_is_the_same() -> None:
-    model = white_plane(lambda spec: light.add_day(spec, 1000))
+    model = white_plane(lambda spec: light.add_day(spec, 1000, SUN))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     with FilamentRenderer(luminance_model(model), LENS) as renderer:

@@ -1,0 +1,52 @@
+"""Rigid moves as (…, 3, 4) matrices: a rotation, and in the last column a translation."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Pose
+
+F64 = npt.NDArray[np.float64]
+
+
+def axes_along(direction: F64) -> F64:
+    """(3, 3) rows right, down and forward of a frame that looks along a unit vector."""
+    x, y, z = (float(part) for part in direction)
+    if abs(z) < 0.9:  # right is level
+        right = np.array([y, -x, 0.0]) / math.hypot(x, y)
+    else:
+        right = np.array([0.0, z, -y]) / math.hypot(y, z)
+    a, b, c = (float(part) for part in right)
+    return np.array([right, [y * c - z * b, z * a - x * c, x * b - y * a], [x, y, z]])
+
+
+def into_frame(axes: F64, place_m: F64) -> F64:
+    """(3, 4) from the world into the frame at `place_m` whose axes are the rows of `axes`."""
+    return np.column_stack([axes, -axes @ place_m])
+
+
+def into_camera(pose: Pose) -> F64:
+    """(3, 4) from the world into a camera's frame: right, down, forward."""
+    return into_frame(np.stack([pose.right, -pose.up, pose.forward]), pose.position_m)
+
+
+def body_poses(data: mujoco.MjData) -> F64:
+    """(bodies, 3, 4) from each body's frame into the world."""
+    return np.concatenate([data.xmat.reshape(-1, 3, 3), data.xpos[:, :, None]], axis=2)
+
+
+def followed_by(before: F64, after: F64) -> F64:
+    """The moves `before`, then `after`."""
+    moved: F64 = after[..., :3] @ before
+    moved[..., 3] += after[..., 3]
+    return moved
+
+
+def undone(moves: F64) -> F64:
+    """The way back."""
+    back = np.swapaxes(moves[..., :3], -1, -2)
+    return np.concatenate([back, -(back @ moves[..., 3:])], axis=-1)

@@ -1,0 +1,153 @@
+"""What the movers do to the street's light at one time: shadows, and the beams of their lamps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Intrinsics, Pose
+from sim.compose import MOST_SHADOWS, Lights
+from sim.errors import SceneConfigError
+from sim.moves import followed_by, into_camera, undone
+from sim.objects import MovingObject
+from sim.renderer import NO_SHADOW_GROUP
+from sim.shadow_maps import MAP_SIDE, Lamp, ShadowMap, draw_shadow_map, shadowing_lamps
+from sim.triangles import Soup
+from sim.windows import Window, beam_window, shadow_window
+
+F64 = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.int64]
+
+LEAST_COSINE_STEP = 1 / 1024
+"""The renderer's limit to how sharply a beam may end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """What the movers' shadows and beams can change at one time.
+
+    Attributes:
+        shadows: number of the lamp, the object before it, and the window that it can darken.
+        beams: number of the light, and the window that it can reach.
+    """
+
+    shadows: list[tuple[int, MovingObject, Window]]
+    beams: list[tuple[int, Window]]
+
+    @property
+    def windows(self) -> list[Window]:
+        """All of them."""
+        return [w for _, _, w in self.shadows] + [w for _, w in self.beams]
+
+
+class MovingLight:
+    """The lights of a model, and the objects that move in them."""
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        objects: tuple[MovingObject, ...],
+        movers: Soup,
+        pose: Pose,
+        lens: Intrinsics,
+    ) -> None:
+        """Find the lights.
+
+        Args:
+            model: whose still lights may be suns and spots.
+            data: where they are.
+            objects: what moves.
+            movers: its triangles.
+            pose: the camera's.
+            lens: likewise.
+
+        Raises:
+            SceneConfigError: more pairs of object and light than can be told apart.
+        """
+        self._model, self._objects, self._pose, self._lens = model, objects, pose, lens
+        self.shadowing = _shadowing_lights(model, objects)
+        self._lamps: list[Lamp] = shadowing_lamps(model, data, self.shadowing)
+        casting = model.geom_group[movers.geom] != NO_SHADOW_GROUP
+        self._casters = {
+            o.name: movers.chosen(casting & np.isin(movers.body, o.bodies)) for o in objects
+        }
+        none = np.empty(0, np.int64)
+        self.beams: Numbers = np.concatenate([none, *(o.lamps for o in objects)])
+        pairs = len(self._lamps) * len(objects)
+        if pairs > MOST_SHADOWS:
+            raise SceneConfigError(
+                f"{len(objects)} moving objects before {len(self._lamps)} lights make {pairs} "
+                f"shadows; allowed is up to {MOST_SHADOWS}; switch some off"
+            )
+        self._maps = np.empty((pairs, MAP_SIDE, MAP_SIDE), np.float32)
+
+    def reach(self, data: mujoco.MjData) -> Reach:
+        """What shadows and beams can change, with the movers where `data` has them."""
+        shadows = []
+        for obj in self._objects:
+            corners = obj.corners_m(data)
+            for k, lamp in enumerate(self._lamps):
+                if window := shadow_window(corners, lamp, self._pose, self._lens):
+                    shadows.append((k, obj, window))
+        lit = ((int(k), self._beam_window(data, int(k))) for k in self.beams)
+        return Reach(shadows, [(k, window) for k, window in lit if window])
+
+    def lights(self, data: mujoco.MjData, poses: F64, reach: Reach, gains: F64) -> Lights:
+        """Shadows and beams, ready to compose.
+
+        Args:
+            data: where the movers are.
+            poses: (bodies, 3, 4) of all bodies in the world.
+            reach: at the same time.
+            gains: what each part of the street is multiplied by.
+        """
+        drawn: list[tuple[int, ShadowMap, Window]] = []
+        for k, obj, window in reach.shadows:
+            out = self._maps[len(drawn)]
+            made = draw_shadow_map(self._lamps[k], obj, self._casters[obj.name], data, poses, out)
+            if made:
+                drawn.append((k, made, window))
+        to_world = undone(into_camera(self._pose))
+        views = [followed_by(to_world, made.view) for _, made, _ in drawn]
+        ranges = [float(self._model.light_range[k]) for k, _ in reach.beams]
+        return Lights(
+            gains=gains,
+            maps=self._maps,
+            sizes=np.array([made.size for _, made, _ in drawn], np.int64).reshape(-1, 2),
+            views=np.array(views, np.float64).reshape(-1, 3, 4),
+            light=np.array([k for k, _, _ in drawn], np.int64),
+            parallel=np.array([self._lamps[k].parallel for k, _, _ in drawn], np.bool_),
+            reach=np.array([window for _, _, window in drawn], np.int64).reshape(-1, 4),
+            beams=np.array([self._beam(data, k) for k, _ in reach.beams]).reshape(-1, 9),
+            beam_reach=np.array([window for _, window in reach.beams], np.int64).reshape(-1, 4),
+            beam_range_m=max(ranges, default=1.0),
+        )
+
+    def _beam_window(self, data: mujoco.MjData, light: int) -> Window | None:
+        angle = math.radians(self._model.light_cutoff[light])
+        place, direction = data.light_xpos[light], data.light_xdir[light]
+        return beam_window(place, direction, angle, self._pose, self._lens)
+
+    def _beam(self, data: mujoco.MjData, light: int) -> F64:
+        """(9,) a row of `compose.Lights.beams`."""
+        into = into_camera(self._pose)
+        outer = math.radians(self._model.light_cutoff[light])
+        inner = outer * (1 - self._model.light_softness[light])
+        scale = 1 / max(math.cos(inner) - math.cos(outer), LEAST_COSINE_STEP)
+        place = into[:, :3] @ data.light_xpos[light] + into[:, 3]
+        direction = into[:, :3] @ data.light_xdir[light]
+        candela = self._model.light_intensity[light]
+        return np.array([*place, *direction, candela, scale, -math.cos(outer) * scale])
+
+
+def _shadowing_lights(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> Numbers:
+    """Numbers of the still lights that cast shadows."""
+    moving = np.isin(np.arange(model.nlight), [k for o in objects for k in o.lamps])
+    image = model.light_type == mujoco.mjtLightType.mjLIGHT_IMAGE
+    shining = model.light_intensity > 0
+    return np.flatnonzero(model.light_castshadow & shining & ~moving & ~image)

@@ -1,0 +1,130 @@
+"""The things that move in a scene, by name: which bodies, geoms and lamps are theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+F64 = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.int64]
+PEDESTRIAN, TREE = "pedestrian", "tree"
+"""Kinds of what moves and is no vehicle."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovingObject:
+    """A thing that moves, made of rigid bodies on joints; numbers are the model's.
+
+    Attributes:
+        name: "target", "far_vehicle", "pedestrian", "tree_0" and so on.
+        kind: "sedan", "van", "motorcycle", "pedestrian" or "tree".
+        root: the body that all the others hang from.
+        bodies: (n,) all its bodies, the root first.
+        geoms: (m,) all their geoms.
+        box_m: (2, 3) lowest and highest corner, in the root's frame, of a box that holds the
+            object however its limbs swing, its wheels turn or its boughs sway.
+        lamps: (k,) lights that move with it.
+    """
+
+    name: str
+    kind: str
+    root: int
+    bodies: Numbers
+    geoms: Numbers
+    box_m: F64
+    lamps: Numbers
+
+    def corners_m(self, data: mujoco.MjData, *, fringe_m: float = 0.0) -> F64:
+        """(8, 3) world corners of its box, the kinematics of `data` up to date.
+
+        Args:
+            data: the model's.
+            fringe_m: by how much to widen the box on every side.
+        """
+        corners = box_corners_m(self.box_m + np.array([[-fringe_m], [fringe_m]]))
+        return np.asarray(corners @ data.xmat[self.root].reshape(3, 3).T + data.xpos[self.root])
+
+
+def moving_object(
+    model: mujoco.MjModel, name: str, kind: str, root: int, *, excursion_m: float = 0.0
+) -> MovingObject:
+    """What hangs from the body `root`.
+
+    Args:
+        model: of the scene.
+        name: of the object.
+        kind: of the object.
+        root: number of its root body.
+        excursion_m: how far parts of it go beyond where they rest.
+    """
+    bodies = descendants(model, root)
+    geoms = np.flatnonzero(np.isin(model.geom_bodyid, bodies))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    spare = np.array([[-1.0], [1.0]]) * excursion_m
+    return MovingObject(
+        name=name,
+        kind=kind,
+        root=root,
+        bodies=bodies,
+        geoms=geoms,
+        box_m=_box(model, data, root, geoms) + spare,
+        lamps=np.flatnonzero(np.isin(model.light_bodyid, bodies)),
+    )
+
+
+def descendants(model: mujoco.MjModel, root: int) -> Numbers:
+    """(n,) `root` and all bodies that hang from it; a body's number is above its parent's."""
+    found = {root}
+    for body in range(root + 1, model.nbody):
+        if int(model.body_parentid[body]) in found:
+            found.add(body)
+    return np.array(sorted(found), np.int64)
+
+
+def box_corners_m(box_m: F64) -> F64:
+    """(8, 3) corners of a box given by its lowest and highest, (2, 3)."""
+    return np.array(np.meshgrid(*box_m.T)).reshape(3, -1).T
+
+
+def _box(model: mujoco.MjModel, data: mujoco.MjData, root: int, geoms: Numbers) -> F64:
+    axes, origin = data.xmat[root].reshape(3, 3), data.xpos[root]
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for geom in geoms:
+        turned = axes.T @ data.geom_xmat[geom].reshape(3, 3)
+        below, above = _extent(model, int(geom), turned)
+        middle = (data.geom_xpos[geom] - origin) @ axes
+        low, high = np.minimum(low, middle + below), np.maximum(high, middle + above)
+    return np.array([low, high])
+
+
+def _extent(model: mujoco.MjModel, geom: int, axes: F64) -> tuple[F64, F64]:
+    """How far a geom whose axes are the columns of `axes` reaches from its middle, each way."""
+    kind = mujoco.mjtGeom(model.geom_type[geom])
+    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = int(model.geom_dataid[geom])
+        start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+        turned = model.mesh_vert[start : start + count].astype(np.float64) @ axes.T
+        return turned.min(axis=0), turned.max(axis=0)
+    reach = _REACH[kind](model.geom_size[geom], axes)
+    return -reach, reach
+
+
+def _flat(height: F64) -> F64:
+    """Length of what a unit vector leaves in the plane across, of which `height` sticks out."""
+    return np.asarray(np.sqrt(np.clip(1 - height**2, 0, 1)))
+
+
+_REACH: dict[mujoco.mjtGeom, Callable[[F64, F64], F64]] = {
+    mujoco.mjtGeom.mjGEOM_BOX: lambda size, axes: np.abs(axes) @ size,
+    mujoco.mjtGeom.mjGEOM_SPHERE: lambda size, _: np.full(3, size[0]),
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: lambda size, axes: np.linalg.norm(axes * size, axis=1),
+    mujoco.mjtGeom.mjGEOM_CAPSULE: lambda size, axes: size[0] + size[1] * np.abs(axes[:, 2]),
+    mujoco.mjtGeom.mjGEOM_CYLINDER: lambda size, axes: (
+        size[0] * _flat(axes[:, 2]) + size[1] * np.abs(axes[:, 2])
+    ),
+}

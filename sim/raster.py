@@ -1,0 +1,177 @@
+"""Exact visibility: triangles scan-converted into a depth buffer, as often as the scene moves.
+
+The renderer draws light; where things are is drawn here, at a hundredth of the cost. A buffer
+holds, for every point of a regular grid, which triangle is nearest and how near.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
+
+NOTHING = -1
+"""What a buffer shows where no triangle is."""
+
+
+def empty_buffer(height: int, width: int) -> tuple[F32, I32]:
+    """Nearness, (height, width) float32 of zeros, and labels, the same of `NOTHING`, int32."""
+    return np.zeros((height, width), np.float32), np.full((height, width), NOTHING, np.int32)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def perspective(
+    corners: F64, focal: float, centre_x: float, centre_y: float, near: float
+) -> tuple[F64, I32]:
+    """Project triangles, cut off at the near plane.
+
+    Args:
+        corners: (n, 3, 3) triangles by corner; right, down and forward of the eye [m].
+        focal: focal length [grid points].
+        centre_x: where the optical axis meets the grid [grid points].
+        centre_y: likewise.
+        near: distance of the near plane [m].
+
+    Returns:
+        (m, 3, 3) x, y [grid points] and 1/depth [1/m] of each corner, and (m,) which of the
+        triangles each came from; one that the plane cuts makes one or two.
+    """
+    out = np.empty((2 * len(corners), 3, 3))
+    source = np.empty(2 * len(corners), np.int32)
+    clipped = np.empty((4, 3))
+    count = 0
+    for t in range(len(corners)):
+        corner = corners[t]
+        inside = 0
+        for i in range(3):
+            inside += corner[i, 2] >= near
+        if inside == 0:
+            continue
+        size = 0
+        for i in range(3):
+            here, there = corner[i], corner[(i + 1) % 3]
+            if here[2] >= near:
+                clipped[size] = here
+                size += 1
+            if (here[2] >= near) != (there[2] >= near):
+                share = (near - here[2]) / (there[2] - here[2])
+                for axis in range(3):
+                    clipped[size, axis] = here[axis] + share * (there[axis] - here[axis])
+                size += 1
+        for fan in range(size - 2):
+            for i in range(3):
+                point = clipped[0 if i == 0 else fan + i]
+                nearness = 1.0 / point[2]
+                out[count, i, 0] = centre_x + focal * point[0] * nearness
+                out[count, i, 1] = centre_y + focal * point[1] * nearness
+                out[count, i, 2] = nearness
+            source[count] = t
+            count += 1
+    return out[:count], source[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rasterise(
+    triangles: F64, labels: I32, x0: int, y0: int, nearness: F32, label: I32, one_sided: bool
+) -> None:
+    """Draw triangles into a buffer, in place; the nearest wins.
+
+    A grid point (i, j) lies at (i + ½, j + ½). A triangle covers the points inside of it and, of
+    those on an edge that two share, each one's own.
+
+    Args:
+        triangles: (n, 3, 3) x, y [grid points], and what falls linearly across the grid with
+            distance: 1/depth in perspective [1/m].
+        labels: (n,) what to write where a triangle is seen.
+        x0: column of the buffer's first point.
+        y0: row likewise.
+        nearness: (height, width), the buffer.
+        label: (height, width), the buffer.
+        one_sided: leave out triangles that are seen from behind (clockwise, y down).
+    """
+    height, width = nearness.shape
+    for t in range(len(triangles)):
+        ax, ay, az = triangles[t, 0]
+        bx, by, bz = triangles[t, 1]
+        cx, cy, cz = triangles[t, 2]
+        area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+        if area == 0.0 or (one_sided and area > 0.0):
+            continue
+        slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
+        slope_y = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area
+        first = max(math.ceil(min(ay, by, cy) - 0.5 - y0), 0)
+        last = min(math.ceil(max(ay, by, cy) - 0.5 - y0), height)
+        for row in range(first, last):
+            y = row + y0 + 0.5
+            low, high = math.inf, -math.inf
+            for edge in range(3):
+                ux, uy = triangles[t, edge, 0], triangles[t, edge, 1]
+                vx, vy = triangles[t, (edge + 1) % 3, 0], triangles[t, (edge + 1) % 3, 1]
+                if (uy <= y) != (vy <= y):
+                    x = ux + (vx - ux) * (y - uy) / (vy - uy)
+                    low, high = min(low, x), max(high, x)
+            if low > high:
+                continue
+            start = max(math.ceil(low - 0.5 - x0), 0)
+            stop = min(math.ceil(high - 0.5 - x0), width)
+            near = az + slope_x * (start + x0 + 0.5 - ax) + slope_y * (y - ay)
+            for column in range(start, stop):
+                if near > nearness[row, column]:
+                    nearness[row, column] = near
+                    label[row, column] = labels[t]
+                near += slope_x
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def transform(triangles: F64, body: I32, moves: F64) -> F64:
+    """Move triangles, each with its body.
+
+    Args:
+        triangles: (n, 3, 3) in their bodies' frames [m].
+        body: (n,) which body each belongs to.
+        moves: (bodies, 3, 4) rotation and translation.
+
+    Returns:
+        (n, 3, 3).
+    """
+    out = np.empty_like(triangles)
+    for t in range(len(triangles)):
+        move = moves[body[t]]
+        for i in range(3):
+            x, y, z = triangles[t, i]
+            for axis in range(3):
+                out[t, i, axis] = (
+                    move[axis, 0] * x + move[axis, 1] * y + move[axis, 2] * z + move[axis, 3]
+                )
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bounds(triangles: F64, labels: I32, count: int) -> F64:
+    """What each label's triangles span.
+
+    Args:
+        triangles: (n, 3, 3) x, y and nearness [grid points].
+        labels: (n,) of each triangle, below `count`.
+        count: of labels.
+
+    Returns:
+        (count, 4) lowest x and y, highest x and y; infinite the wrong way round where a label has
+        none.
+    """
+    out = np.empty((count, 4))
+    out[:, :2] = np.inf
+    out[:, 2:] = -np.inf
+    for t in range(len(triangles)):
+        box = out[labels[t]]
+        for i in range(3):
+            for axis in range(2):
+                box[axis] = min(box[axis], triangles[t, i, axis])
+                box[2 + axis] = max(box[2 + axis], triangles[t, i, axis])
+    return out

@@ -1,0 +1,280 @@
+"""Light at any time from few drawings: geometry anew at every sample, surfaces from keyframes.
+
+What never moves is drawn once, light by light (`sim.street_light`). What moves is scan-converted
+exactly at every sample (`sim.raster`); its surfaces' luminance comes from the keyframes before and
+after (`sim.keyframes`), found there through the exact pose of each rigid body; its shadows and
+beams fall on the street by the geometry of its lights (`sim.moving_light`). `sim.compose` puts
+these together. A camera that shakes sees the image that it would see at rest, turned.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.aperture import aperture_weights
+from sim.camera import Intrinsics, Pose, project
+from sim.compose import Eye, Street, compose
+from sim.keyframes import Keyframe, KeyframeStore, cut_pieces, keyframe_times
+from sim.mains import Mains, changed_lights
+from sim.moves import body_poses, followed_by, into_camera
+from sim.moving_light import MovingLight
+from sim.objects import MovingObject
+from sim.raster import NOTHING, bounds, perspective, rasterise
+from sim.renderer import NEAR_M, FilamentRenderer, Luminance
+from sim.scene import Scene
+from sim.street_light import draw_street
+from sim.triangles import triangle_soup
+from sim.turning import turned_image
+from sim.visible import Visible, look
+from sim.windows import Window, merged, window_around
+
+F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
+
+PLAN_STEP_PX = 4.0
+"""How far things may move between the times at which reach and keyframes are planned [px]."""
+SHAKE_MARGIN_PX = 3
+"""Beyond the farthest that a shake turns the image: what its interpolation asks for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """One sample.
+
+    Attributes:
+        luminance: (height, width) float32 [cd/m²].
+        visible: what each pixel's middle shows.
+        windows: what may differ from the still street; the whole image where the camera shakes.
+    """
+
+    luminance: Luminance
+    visible: Visible
+    windows: list[Window]
+
+
+class Reprojection:
+    """Draws a scene at the times of a sequence, in their order."""
+
+    def __init__(
+        self,
+        renderer: FilamentRenderer,
+        model: mujoco.MjModel,
+        scene: Scene,
+        lens: Intrinsics,
+        times_us: Sequence[int],
+        seconds: Callable[[int], float],
+        *,
+        supersample: int,
+        spacing_px: float,
+        step_px: float,
+    ) -> None:
+        """Draw the still street, and plan the keyframes.
+
+        Args:
+            renderer: of `model`; its lens is `lens`, grown by `shake_margin_px`.
+            model: the scene's, in luminance.
+            scene: what moves, and how.
+            lens: the camera's.
+            times_us: when the samples will be [µs].
+            seconds: from a time [µs] to the scene's own [s].
+            supersample: fine points per pixel and axis.
+            spacing_px: how far an object may move from one keyframe to the next [px].
+            step_px: how far anything moves from one sample to the next, at most [px].
+        """
+        self._renderer, self._model, self._scene = renderer, model, scene
+        self._wide, self._lens, self._seconds = renderer.intrinsics, lens, seconds
+        self._size, self._pose = supersample, scene.pose
+        self._data = mujoco.MjData(model)
+        self._place(times_us[0])
+        soup = triangle_soup(model)
+        moving = [int(b) for o in scene.objects for b in o.bodies]
+        self._movers, self._still_soup = soup.of_bodies(moving), soup.without_bodies(moving)
+        self._light = MovingLight(
+            model, self._data, scene.objects, self._movers, self._pose, self._wide
+        )
+        self._mains = Mains(scene.mains_lights, scene.mains_materials) if scene.flicker else None
+        self._weights = aperture_weights(supersample)
+        plan, reach = self._plan(times_us, spacing_px, max(int(PLAN_STEP_PX / step_px), 1))
+        self._keyframes = KeyframeStore(
+            plan, scene.objects, self._draw_keyframe, bodies=model.nbody, per_pixel=supersample
+        )
+        self._street = self._draw_street(reach)
+        self._still = self._street.pixels.sum(axis=0)
+        self._still_visible = look(self._still_soup, body_poses(self._data), self._pose, self._lens)
+
+    def draw(self, t_us: int) -> Drawn:
+        """Draw one sample; times may not go back."""
+        self._keyframes.advance(t_us)
+        self._place(t_us)
+        t_s = self._seconds(t_us)
+        poses = body_poses(self._data)
+        luminance, windows = self._at_rest(t_us, poses)
+        if self._scene.shake is None:
+            return Drawn(luminance, self._visible(poses, self._pose, windows), windows)
+        pose = self._scene.pose_at(t_s)
+        luminance = turned_image(luminance, self._pose, self._wide, pose, self._lens)
+        visible = look(self._still_soup, poses, pose, self._lens)
+        visible = look(self._movers, poses, pose, self._lens, visible)
+        return Drawn(luminance, visible, [(0, 0, self._lens.width, self._lens.height)])
+
+    def _at_rest(self, t_us: int, poses: F64) -> tuple[Luminance, list[Window]]:
+        """The image of the camera at rest, and what of it may differ from the still street."""
+        factor = self._scene.mains_factor(self._seconds(t_us))
+        gains = self._gains(factor)
+        still = self._still
+        if self._mains is not None:
+            still = np.tensordot(gains.astype(np.float32), self._street.pixels, axes=1)
+        flat, body = self._project(poses)
+        reach = self._light.reach(self._data)
+        windows = merged(self._body_windows(flat, body) + reach.windows)
+        luminance = still.copy()
+        if windows:
+            lights = self._light.lights(self._data, poses, reach, gains)
+            views = followed_by(poses, into_camera(self._pose))
+            surfaces = self._keyframes.surfaces(t_us, views, factor)
+            eye = Eye(self._wide.focal_px, self._wide.width / 2, self._wide.height / 2)
+            for window in windows:
+                label, nearness = self._fine_points(flat, body, window)
+                compose(
+                    luminance,
+                    self._street,
+                    lights,
+                    surfaces,
+                    eye,
+                    label,
+                    nearness,
+                    self._weights,
+                    window,
+                )
+        if self._mains is not None:
+            windows = [(0, 0, self._wide.width, self._wide.height)]
+        return luminance, windows
+
+    def _place(self, t_us: int) -> None:
+        self._scene.place(self._data, self._seconds(t_us))
+
+    def _gains(self, factor: float) -> F64:
+        """What each part of the street is multiplied by: steady, lights, mains."""
+        gains = np.ones(1 + len(self._light.shadowing) + (self._mains is not None))
+        if self._mains is not None:
+            gains[1:-1][np.isin(self._light.shadowing, self._mains.lights)] = factor
+            gains[-1] = factor
+        return gains
+
+    def _project(self, poses: F64) -> tuple[F64, I32]:
+        """The movers' triangles on the fine grid, and the body of each."""
+        seen = self._movers.moved(followed_by(poses, into_camera(self._pose)))
+        middle = self._wide.width * self._size / 2, self._wide.height * self._size / 2
+        flat, source = perspective(seen, self._wide.focal_px * self._size, *middle, NEAR_M)
+        return flat, self._movers.body[source]
+
+    def _body_windows(self, flat: F64, body: I32) -> list[Window]:
+        span = bounds(flat, body, self._model.nbody) / self._size
+        windows = [self._window(span[obj.bodies]) for obj in self._scene.objects]
+        return [window for window in windows if window]
+
+    def _window(self, span: F64) -> Window | None:
+        low, high = span[:, :2].min(axis=0), span[:, 2:].max(axis=0)
+        return window_around(low, high, self._wide) if np.isfinite(low).all() else None
+
+    def _fine_points(self, flat: F64, body: I32, window: Window) -> tuple[I32, F32]:
+        """Which mover each fine point of a window shows, and how near."""
+        x0, y0, x1, y1 = (self._size * edge for edge in window)
+        nearness = self._street.nearness[y0:y1, x0:x1].copy()
+        label = np.full(nearness.shape, NOTHING, np.int32)
+        rasterise(flat, body, x0, y0, nearness, label, True)
+        return label, nearness
+
+    def _visible(self, poses: F64, pose: Pose, windows: list[Window]) -> Visible:
+        if not windows:
+            return self._still_visible
+        return look(self._movers, poses, pose, self._lens, self._still_visible)
+
+    def _plan(
+        self, times_us: Sequence[int], spacing_px: float, stride: int
+    ) -> tuple[dict[str, list[int]], list[Window]]:
+        """Times of the keyframes by the object's name, and what shadows and beams reach."""
+        times = sorted({*times_us[::stride], times_us[-1]})
+        objects = self._scene.objects
+        corners_m = np.empty((len(objects), len(times), 8, 3))
+        reach: list[Window] = []
+        for k, t_us in enumerate(times):
+            self._place(t_us)
+            corners_m[:, k] = [obj.corners_m(self._data) for obj in objects]
+            reach = merged(reach + self._light.reach(self._data).windows)
+        plan = {}
+        for obj, corners in zip(objects, corners_m, strict=True):
+            pixels, depth = project(corners.reshape(-1, 3), self._pose, self._wide)
+            pixels = np.nan_to_num(pixels.reshape(-1, 8, 2), nan=np.inf)
+            plan[obj.name] = keyframe_times(
+                times, pixels, self._in_view(pixels, depth.reshape(-1, 8)), spacing_px
+            )
+        return plan, reach
+
+    def _in_view(self, pixels: F64, depth: F64) -> npt.NDArray[np.bool_]:
+        """(n,) whether boxes of (n, 8, 2) corners may be seen, now or within a plan's step."""
+        size = np.array([self._wide.width, self._wide.height])
+        low, high = pixels.min(axis=1), pixels.max(axis=1)
+        margin = 2 * PLAN_STEP_PX
+        inside = ((low < size + margin) & (high > -margin)).all(axis=1)
+        return np.asarray(inside | (depth <= 0).any(axis=1))
+
+    def _draw_keyframe(self, obj: MovingObject, t_us: int) -> Keyframe:
+        self._place(t_us)
+        poses = body_poses(self._data)
+        flat, body = self._project(poses)
+        window = self._window(bounds(flat, body, self._model.nbody)[obj.bodies] / self._size)
+        if window is None:
+            return Keyframe(t_us, {})
+        fine = self._draw_fine(window)
+        parts = [fine]
+        if self._mains is not None:
+            with self._mains.scaled(self._model, 0.0):
+                steady = self._draw_fine(window)
+            parts = [steady, fine - steady]
+        label, _ = self._fine_points(flat, body, window)
+        views = followed_by(poses, into_camera(self._pose))
+        mine = {int(b): views[b] for b in obj.bodies}
+        return Keyframe(t_us, cut_pieces(np.stack(parts), label, mine, window[:2], self._size))
+
+    def _draw_fine(self, window: Window) -> F32:
+        self._renderer.update(self._data)
+        return self._renderer.fine(self._pose, window, self._size)
+
+    def _draw_street(self, reach: list[Window]) -> Street:
+        """Draw the street without what moves."""
+        geoms = [int(g) for o in self._scene.objects for g in o.geoms]
+        off = {int(k): 0.0 for k in self._light.beams}
+        low = np.array([w[:2] for w in reach] or [(0, 0)]).min(axis=0)
+        high = np.array([w[2:] for w in reach] or [(1, 1)]).max(axis=0)
+        spare = math.ceil(2 * PLAN_STEP_PX)
+        window = window_around(low - spare, high + spare, self._wide)
+        with changed_lights(self._model, off), self._renderer.hidden(geoms):
+            return draw_street(
+                self._renderer,
+                self._model,
+                self._data,
+                self._pose,
+                self._still_soup,
+                self._light.shadowing,
+                self._mains,
+                window or (0, 0, 1, 1),
+                self._size,
+            )
+
+
+def shake_margin_px(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> int:
+    """How far beyond the image a shaking camera looks, at most [px]."""
+    if scene.shake is None:
+        return 0
+    angle = max(float(np.linalg.norm(scene.shake.rotation_rad(t))) for t in times_s)
+    corner = math.hypot(lens.width, lens.height) / 2 / lens.focal_px
+    swing = math.tan(math.atan(corner) + angle) - corner
+    return math.ceil(lens.focal_px * swing) + SHAKE_MARGIN_PX

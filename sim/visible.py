@@ -1,0 +1,54 @@
+"""What each pixel's middle shows, and how far away: exact, from poses and triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Intrinsics, Pose
+from sim.moves import followed_by, into_camera
+from sim.raster import empty_buffer, perspective, rasterise
+from sim.renderer import NEAR_M
+from sim.triangles import Soup
+
+F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Visible:
+    """What each pixel's middle shows.
+
+    Attributes:
+        body: (height, width) int32, number of the rigid body; 0 for what is fixed to the world,
+            -1 for the sky.
+        nearness: (height, width) float32, 1/depth along the optical axis [1/m]; 0 for the sky.
+    """
+
+    body: I32
+    nearness: F32
+
+
+def look(
+    soup: Soup, poses: F64, pose: Pose, lens: Intrinsics, before: Visible | None = None
+) -> Visible:
+    """Look at triangles from a camera.
+
+    Args:
+        soup: the triangles.
+        poses: (bodies, 3, 4) from each body's frame into the world.
+        pose: the camera's.
+        lens: likewise.
+        before: what else the same camera sees; it stays as it is.
+    """
+    if before is None:
+        nearness, body = empty_buffer(lens.height, lens.width)
+    else:
+        nearness, body = before.nearness.copy(), before.body.copy()
+    seen = soup.moved(followed_by(poses, into_camera(pose)))
+    flat, source = perspective(seen, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M)
+    rasterise(flat, soup.body[source], 0, 0, nearness, body, True)
+    return Visible(body, nearness)

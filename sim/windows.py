@@ -1,0 +1,102 @@
+"""Which parts of the image a moving object can change: where it is, its shadows, its beams."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.camera import Intrinsics, Pose, project
+from sim.moves import axes_along
+from sim.shadow_maps import Lamp
+
+F64 = npt.NDArray[np.float64]
+Window = tuple[int, int, int, int]
+"""x0, y0, x1, y1 [px], half-open."""
+
+MARGIN_PX = 2
+"""Reach of the lens's blur, and of what a pixel asks of its neighbours."""
+BEAM_REACH_M = 30.0
+"""Farther ahead, dipped beams change nothing that is in view (measured)."""
+BEAM_RIM = 24
+"""Points around a beam's rim."""
+
+
+def window_around(low: F64, high: F64, lens: Intrinsics) -> Window | None:
+    """The window of pixels around a span of image coordinates; None outside of the image."""
+    size = np.array([lens.width, lens.height])
+    first = np.clip(np.floor(low) - MARGIN_PX, 0, size)
+    last = np.clip(np.ceil(high) + MARGIN_PX, 0, size)
+    if not (first < last).all():
+        return None
+    return int(first[0]), int(first[1]), int(last[0]), int(last[1])
+
+
+def whole(lens: Intrinsics) -> Window:
+    """The whole image."""
+    return 0, 0, lens.width, lens.height
+
+
+def points_window(points_m: F64, pose: Pose, lens: Intrinsics) -> Window | None:
+    """The window that holds the convex hull of world points, (n, 3)."""
+    pixels, depth = project(points_m, pose, lens)
+    if (depth <= 0).all():
+        return None
+    if (depth <= 0).any():
+        return whole(lens)
+    return window_around(pixels.min(axis=0), pixels.max(axis=0), lens)
+
+
+def shadow_window(corners_m: F64, lamp: Lamp, pose: Pose, lens: Intrinsics) -> Window | None:
+    """The window that holds a box and all that it can shut out of a light, down to the ground."""
+    if lamp.parallel:
+        to_light = np.broadcast_to(-lamp.axes[2], corners_m.shape)
+    else:
+        to_light = lamp.place_m - corners_m
+    if (to_light[:, 2] <= 0).any():
+        return whole(lens)
+    shadow = corners_m - to_light * (corners_m[:, 2:] / to_light[:, 2:])
+    return points_window(np.concatenate([corners_m, shadow]), pose, lens)
+
+
+def beam_window(
+    place_m: F64, direction: F64, angle_rad: float, pose: Pose, lens: Intrinsics
+) -> Window | None:
+    """The window that holds all that a spot can light, above the ground.
+
+    Args:
+        place_m: (3,) in the world.
+        direction: (3,) of the cone's axis, unit length.
+        angle_rad: between the cone's axis and its rim.
+        pose: the camera's.
+        lens: likewise.
+    """
+    turn = np.arange(BEAM_RIM) * 2 * math.pi / BEAM_RIM
+    radius = math.tan(angle_rad) / math.cos(math.pi / BEAM_RIM)  # around the circle, not inside
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1) @ axes_along(direction)[:2]
+    rays = (direction + radius * np.concatenate([circle, np.zeros((1, 3))])) * BEAM_REACH_M
+    falls = rays[:, 2] < -place_m[2]
+    rays[falls] *= (-place_m[2] / rays[falls, 2])[:, None]
+    return points_window(np.concatenate([place_m[None], place_m + rays]), pose, lens)
+
+
+def merged(windows: list[Window]) -> list[Window]:
+    """Windows that hold the same pixels and do not overlap."""
+    apart: list[Window] = []
+    for window in windows:
+        grown = window
+        while hit := next((w for w in apart if _overlap(w, grown)), None):
+            apart.remove(hit)
+            grown = (
+                min(hit[0], grown[0]),
+                min(hit[1], grown[1]),
+                max(hit[2], grown[2]),
+                max(hit[3], grown[3]),
+            )
+        apart.append(grown)
+    return apart
+
+
+def _overlap(a: Window, b: Window) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
