@@ -31,6 +31,10 @@ class Intrinsics:
         """The same lens before a sensor that is larger by a margin on all sides [px]."""
         return Intrinsics(self.width + 2 * margin_px, self.height + 2 * margin_px, self.focal_px)
 
+    def scaled(self, factor: int) -> Intrinsics:
+        """The same field of view with `factor` times as many pixels along each axis."""
+        return Intrinsics(self.width * factor, self.height * factor, self.focal_px * factor)
+
     @property
     def half_width_rad(self) -> float:
         """Half the horizontal field of view [rad]."""

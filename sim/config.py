@@ -68,11 +68,12 @@ class CrossingConfig:
         distractors: what else moves or flickers; by default nothing.
         lead_s: how long before the vehicle enters, and after it has left, the sequence goes on [s];
             0.15 lets a detector with a 100 ms memory settle (assumed).
-        step_px: the farthest that a point may travel in the image between two samples [px]; 0.5
-            is assumed, and to be confirmed by a convergence study on this street.
+        step_px: the farthest that a point may travel in the image between two samples [px]; see
+            `flybench converge`.
         max_step_ms: the longest step where nothing moves [ms] (assumed).
-        supersample: rendered pixels per sensor pixel, along each axis; 2 is
-            assumed, and to be confirmed likewise.
+        supersample: rendered pixels per sensor pixel, along each axis; see `flybench converge`.
+        keyframe_px: how far an object moves in the image from one keyframe to the next [px]; see
+            `flybench converge`.
     """
 
     lighting: Lighting = Lighting.DAY
@@ -90,7 +91,8 @@ class CrossingConfig:
     lead_s: float = 0.15
     step_px: float = 0.5
     max_step_ms: float = 5.0
-    supersample: int = 2
+    supersample: int = 3
+    keyframe_px: float = 32.0
 
     def __post_init__(self) -> None:
         for name, kind in _MEMBERS.items():
@@ -149,6 +151,7 @@ RANGES: dict[str, Range] = {
     "step_px": Range(0.05, 8.0, "px"),
     "max_step_ms": Range(0.1, 20.0, "ms"),
     "supersample": Range(1, 8, "whole"),
+    "keyframe_px": Range(1.0, 128.0, "px"),
 }
 
 

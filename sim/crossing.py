@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-from sim.camera import Intrinsics, Pose
+from sim.camera import Intrinsics
 from sim.config import CrossingConfig, Direction
-from sim.influence import body_window, influence_window
+from sim.mains import Mains
+from sim.moving_light import LightReach
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
+from sim.reprojection import Drawn, Reprojection, rest_lens
 from sim.sampling import sample_times_us
 from sim.scene import Scene, build_scene
 from sim.truth import GroundTruth, ground_truth
+from sim.windows import Window, hull, points_window
 
 BEAM_SOFTNESS = 4
 """The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
+FLICKER_STEPS = 20
+"""Samples in a period of lamps that flicker (assumed)."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +35,14 @@ class Sample:
         t_us: time since the start of the sequence [µs].
         luminance: (height, width) float32 [cd/m²]; the mean over each pixel.
         truth: the target's.
+        changed: x0, y0, x1, y1 of a window outside of which the light is exactly as at the sample
+            before, half-open [px].
     """
 
     t_us: int
     luminance: Luminance
     truth: GroundTruth
+    changed: Window
 
 
 class Crossing:
@@ -57,6 +66,11 @@ class Crossing:
         self._start_s = self.trajectory.time_at_s(-reach_m) - config.lead_s
         self._end_s = self.trajectory.time_at_s(reach_m) + config.lead_s
         self.trajectory.position_m(self._start_s)
+        self._data = mujoco.MjData(self.scene.model)
+        self.scene.place(self._data, 0.0)
+        self._reach = LightReach(
+            self.scene.model, self._data, self.scene.objects, self.scene.pose, self.intrinsics
+        )
 
     @property
     def duration_us(self) -> int:
@@ -73,18 +87,24 @@ class Crossing:
 
     def times_us(self) -> list[int]:
         """When the samples are [µs]."""
+        longest_us = round(self.config.max_step_ms * 1e3)
+        if flicker := self.scene.flicker:
+            longest_us = min(longest_us, int(1e6 / flicker.rate_hz / FLICKER_STEPS))
         return list(
             sample_times_us(
                 0,
                 self.duration_us,
                 self._fastest_px_s,
                 step_px=self.config.step_px,
-                max_step_us=round(self.config.max_step_ms * 1e3),
+                max_step_us=longest_us,
             )
         )
 
-    def samples(self) -> Iterator[Sample]:
-        """Render the sequence.
+    def samples(self, times_us: Sequence[int] | None = None) -> Iterator[Sample]:
+        """The sequence, from keyframes; see `sim.reprojection`.
+
+        Args:
+            times_us: increasing, instead of `times_us()` [µs].
 
         Yields:
             Samples in order of time; each owns its arrays.
@@ -92,79 +112,80 @@ class Crossing:
         Raises:
             RendererError: this machine cannot render.
         """
+        times = self.times_us() if times_us is None else list(times_us)
         model = luminance_model(self.scene.model)
-        with FilamentRenderer(model, self.intrinsics) as renderer:
-            data = mujoco.MjData(model)
-            empty = self._empty_street(renderer, data)
-            for t_us in self.times_us():
-                yield self._sample(renderer, data, t_us, empty)
+        lens = rest_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times])
+        with FilamentRenderer(model, lens) as renderer:
+            drawing = Reprojection(
+                renderer,
+                model,
+                self.scene,
+                self.intrinsics,
+                times,
+                self.seconds,
+                supersample=self.config.supersample,
+                spacing_px=self.config.keyframe_px,
+                step_px=self.config.step_px,
+            )
+            before = [(0, 0, self.intrinsics.width, self.intrinsics.height)]
+            for t_us in times:
+                drawn = drawing.draw(t_us)
+                yield self._sample(t_us, drawn, hull(before + drawn.windows))
+                before = drawn.windows
 
     @contextmanager
-    def full_frames(self) -> Iterator[Callable[[int], Luminance]]:
+    def full_frames(self, supersample: int | None = None) -> Iterator[Callable[[int], Luminance]]:
         """Give a function that draws the whole image at a time [µs], nothing taken over.
 
-        What `samples` is held against, and what a frame costs. Unlike them it draws the street
-        anew too, whose shadows' edges the renderer moves by a fraction of a pixel with the vehicle.
+        What `samples` is held against. Unlike them it draws the street anew too, whose shadows'
+        edges the renderer moves by a fraction of a pixel with the vehicle.
+
+        Args:
+            supersample: rendered pixels per sensor pixel and axis; the configuration's if None.
 
         Raises:
             RendererError: this machine cannot render.
         """
-        model = luminance_model(self.scene.model)
+        scene, model = self.scene, luminance_model(self.scene.model)
+        mains = Mains(scene.mains_lights, scene.mains_materials)
+        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        size = supersample or self.config.supersample
         with FilamentRenderer(model, self.intrinsics) as renderer:
             data = mujoco.MjData(model)
 
             def draw(t_us: int) -> Luminance:
                 t_s = self.seconds(t_us)
-                self.scene.place(data, t_s)
-                return self._whole(renderer, data, self.scene.pose_at(t_s))
+                scene.place(data, t_s)
+                with mains.scaled(model, scene.mains_factor(t_s)):
+                    renderer.update(data)
+                    return renderer.luminance(scene.pose_at(t_s), whole, supersample=size)
 
             yield draw
 
-    def _sample(
-        self, renderer: FilamentRenderer, data: mujoco.MjData, t_us: int, empty: Luminance
-    ) -> Sample:
-        t_s = self.seconds(t_us)
-        pose = self.scene.pose_at(t_s)
-        luminance = empty.copy()
-        mask = np.zeros(empty.shape, np.bool_)
-        if window := influence_window(self.scene, t_s, self.intrinsics):
-            x0, y0, x1, y1 = window
-            self.scene.place(data, t_s)
-            renderer.update(data)
-            luminance[y0:y1, x0:x1] = renderer.luminance(
-                pose, window, supersample=self.config.supersample
-            )
-        if window := body_window(self.scene, t_s, self.intrinsics):
-            x0, y0, x1, y1 = window
-            geoms = renderer.segmentation(pose, window)
-            mask[y0:y1, x0:x1] = np.isin(geoms, self.scene.vehicle_geoms)
+    def _sample(self, t_us: int, drawn: Drawn, changed: Window) -> Sample:
         truth = ground_truth(
             self.scene,
             self.trajectory,
             self.intrinsics,
             t_us=t_us,
-            t_s=t_s,
-            mask=mask,
+            t_s=self.seconds(t_us),
+            mask=np.isin(drawn.visible.body, self.scene.target.bodies),
         )
-        return Sample(t_us, luminance, truth)
-
-    def _empty_street(self, renderer: FilamentRenderer, data: mujoco.MjData) -> Luminance:
-        self.scene.vacate(data, self._half_view_rad())
-        return self._whole(renderer, data, self.scene.pose)
-
-    def _whole(self, renderer: FilamentRenderer, data: mujoco.MjData, pose: Pose) -> Luminance:
-        renderer.update(data)
-        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
-        return renderer.luminance(pose, whole, supersample=self.config.supersample)
+        return Sample(t_us, drawn.luminance, truth, changed)
 
     def _fastest_px_s(self, t_us: int) -> float:
         """Image speed of the fastest thing that moves in view; 0 where nothing does."""
         t_s = self.seconds(t_us)
-        if body_window(self.scene, t_s, self.intrinsics):
-            return self.scene.fastest_px_s(t_s, self.intrinsics.focal_px)
-        if influence_window(self.scene, t_s, self.intrinsics):
-            return self.scene.fastest_px_s(t_s, self.intrinsics.focal_px) / BEAM_SOFTNESS
-        return 0.0
+        self.scene.place(self._data, t_s)
+        reach = self._reach.at(self._data)
+        fastest = self.scene.fastest_px_s(t_s, self.intrinsics.focal_px)
+        bodies = (obj.corners_m(self._data) for obj in self.scene.objects)
+        if self.scene.shake or reach.shadows or any(map(self._in_view, bodies)):
+            return fastest
+        return fastest / BEAM_SOFTNESS if reach.beams else 0.0
+
+    def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
+        return points_window(corners_m, self.scene.pose, self.intrinsics) is not None
 
     def _half_view_rad(self) -> float:
         level = self.config.direction in (Direction.RIGHT, Direction.LEFT)

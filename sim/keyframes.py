@@ -170,7 +170,12 @@ def keyframe_times(
 
 
 def cut_pieces(
-    fine: F32, label: I32, views: dict[int, F64], corner_px: tuple[int, int], supersample: int
+    fine: F32,
+    label: I32,
+    views: dict[int, F64],
+    corner_px: tuple[int, int],
+    supersample: int,
+    blur_px: float,
 ) -> dict[int, Piece]:
     """Cut a drawn window into bodies, each seen through the pixels' aperture.
 
@@ -180,7 +185,12 @@ def cut_pieces(
         views: by the body's number, from its frame to the camera's.
         corner_px: column and row of the window's first pixel.
         supersample: fine points per pixel and axis; as many are kept.
+        blur_px: deviation of the lens's point spread [px].
     """
+
+    def through_aperture(points: F32) -> F32:
+        return on_grid(points, supersample, per_pixel=supersample, blur_px=blur_px)
+
     pieces = {}
     for body, view in views.items():
         rows, columns = np.nonzero(label == body)
@@ -192,12 +202,11 @@ def cut_pieces(
         last = np.minimum(last * supersample, label.shape)
         box = slice(first[0], last[0]), slice(first[1], last[1])
         mask = (label[box] == body).astype(np.float32)
-        light = [on_grid(mask * part[box], supersample, per_pixel=supersample) for part in fine]
         pieces[body] = Piece(
             x0=corner_px[0] * supersample + int(first[1]),
             y0=corner_px[1] * supersample + int(first[0]),
-            light=np.stack(light),
-            cover=on_grid(mask, supersample, per_pixel=supersample),
+            light=np.stack([through_aperture(mask * part[box]) for part in fine]),
+            cover=through_aperture(mask),
             view=view,
         )
     return pieces

@@ -44,15 +44,14 @@ class Reach:
         return [w for _, _, w in self.shadows] + [w for _, w in self.beams]
 
 
-class MovingLight:
-    """The lights of a model, and the objects that move in them."""
+class LightReach:
+    """The lights of a model and what moves in them: how far shadows and beams go."""
 
     def __init__(
         self,
         model: mujoco.MjModel,
         data: mujoco.MjData,
         objects: tuple[MovingObject, ...],
-        movers: Soup,
         pose: Pose,
         lens: Intrinsics,
     ) -> None:
@@ -62,40 +61,59 @@ class MovingLight:
             model: whose still lights may be suns and spots.
             data: where they are.
             objects: what moves.
-            movers: its triangles.
             pose: the camera's.
             lens: likewise.
+        """
+        self.pose, self.objects = pose, objects
+        self._model, self._lens = model, lens
+        self.shadowing = _shadowing_lights(model, objects)
+        self.lamps: list[Lamp] = shadowing_lamps(model, data, self.shadowing)
+        none = np.empty(0, np.int64)
+        self.beams: Numbers = np.concatenate([none, *(o.lamps for o in objects)])
+
+    def at(self, data: mujoco.MjData) -> Reach:
+        """What shadows and beams can change, with the movers where `data` has them."""
+        shadows = []
+        for obj in self.objects:
+            corners = obj.corners_m(data)
+            for k, lamp in enumerate(self.lamps):
+                if window := shadow_window(corners, lamp, self.pose, self._lens):
+                    shadows.append((k, obj, window))
+        lit = ((int(k), self._beam_window(data, int(k))) for k in self.beams)
+        return Reach(shadows, [(k, window) for k, window in lit if window])
+
+    def _beam_window(self, data: mujoco.MjData, light: int) -> Window | None:
+        angle = math.radians(self._model.light_cutoff[light])
+        place, direction = data.light_xpos[light], data.light_xdir[light]
+        return beam_window(place, direction, angle, self.pose, self._lens)
+
+
+class MovingLight:
+    """Shadows and beams, ready to compose."""
+
+    def __init__(self, model: mujoco.MjModel, movers: Soup, reach: LightReach) -> None:
+        """Prepare the shadows' maps.
+
+        Args:
+            model: with the lights.
+            movers: the triangles of what moves.
+            reach: of the same model.
 
         Raises:
             SceneConfigError: more pairs of object and light than can be told apart.
         """
-        self._model, self._objects, self._pose, self._lens = model, objects, pose, lens
-        self.shadowing = _shadowing_lights(model, objects)
-        self._lamps: list[Lamp] = shadowing_lamps(model, data, self.shadowing)
+        self._model, self._reach = model, reach
         casting = model.geom_group[movers.geom] != NO_SHADOW_GROUP
         self._casters = {
-            o.name: movers.chosen(casting & np.isin(movers.body, o.bodies)) for o in objects
+            o.name: movers.chosen(casting & np.isin(movers.body, o.bodies)) for o in reach.objects
         }
-        none = np.empty(0, np.int64)
-        self.beams: Numbers = np.concatenate([none, *(o.lamps for o in objects)])
-        pairs = len(self._lamps) * len(objects)
+        pairs = len(reach.lamps) * len(reach.objects)
         if pairs > MOST_SHADOWS:
             raise SceneConfigError(
-                f"{len(objects)} moving objects before {len(self._lamps)} lights make {pairs} "
-                f"shadows; allowed is up to {MOST_SHADOWS}; switch some off"
+                f"{len(reach.objects)} moving objects before {len(reach.lamps)} lights make "
+                f"{pairs} shadows; allowed is up to {MOST_SHADOWS}; switch some off"
             )
         self._maps = np.empty((pairs, MAP_SIDE, MAP_SIDE), np.float32)
-
-    def reach(self, data: mujoco.MjData) -> Reach:
-        """What shadows and beams can change, with the movers where `data` has them."""
-        shadows = []
-        for obj in self._objects:
-            corners = obj.corners_m(data)
-            for k, lamp in enumerate(self._lamps):
-                if window := shadow_window(corners, lamp, self._pose, self._lens):
-                    shadows.append((k, obj, window))
-        lit = ((int(k), self._beam_window(data, int(k))) for k in self.beams)
-        return Reach(shadows, [(k, window) for k, window in lit if window])
 
     def lights(self, data: mujoco.MjData, poses: F64, reach: Reach, gains: F64) -> Lights:
         """Shadows and beams, ready to compose.
@@ -109,10 +127,12 @@ class MovingLight:
         drawn: list[tuple[int, ShadowMap, Window]] = []
         for k, obj, window in reach.shadows:
             out = self._maps[len(drawn)]
-            made = draw_shadow_map(self._lamps[k], obj, self._casters[obj.name], data, poses, out)
+            made = draw_shadow_map(
+                self._reach.lamps[k], obj, self._casters[obj.name], data, poses, out
+            )
             if made:
                 drawn.append((k, made, window))
-        to_world = undone(into_camera(self._pose))
+        to_world = undone(into_camera(self._reach.pose))
         views = [followed_by(to_world, made.view) for _, made, _ in drawn]
         ranges = [float(self._model.light_range[k]) for k, _ in reach.beams]
         return Lights(
@@ -121,21 +141,16 @@ class MovingLight:
             sizes=np.array([made.size for _, made, _ in drawn], np.int64).reshape(-1, 2),
             views=np.array(views, np.float64).reshape(-1, 3, 4),
             light=np.array([k for k, _, _ in drawn], np.int64),
-            parallel=np.array([self._lamps[k].parallel for k, _, _ in drawn], np.bool_),
+            parallel=np.array([self._reach.lamps[k].parallel for k, _, _ in drawn], np.bool_),
             reach=np.array([window for _, _, window in drawn], np.int64).reshape(-1, 4),
             beams=np.array([self._beam(data, k) for k, _ in reach.beams]).reshape(-1, 9),
             beam_reach=np.array([window for _, window in reach.beams], np.int64).reshape(-1, 4),
             beam_range_m=max(ranges, default=1.0),
         )
 
-    def _beam_window(self, data: mujoco.MjData, light: int) -> Window | None:
-        angle = math.radians(self._model.light_cutoff[light])
-        place, direction = data.light_xpos[light], data.light_xdir[light]
-        return beam_window(place, direction, angle, self._pose, self._lens)
-
     def _beam(self, data: mujoco.MjData, light: int) -> F64:
         """(9,) a row of `compose.Lights.beams`."""
-        into = into_camera(self._pose)
+        into = into_camera(self._reach.pose)
         outer = math.radians(self._model.light_cutoff[light])
         inner = outer * (1 - self._model.light_softness[light])
         scale = 1 / max(math.cos(inner) - math.cos(outer), LEAST_COSINE_STEP)

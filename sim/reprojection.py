@@ -17,13 +17,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.aperture import aperture_weights
+from sim.aperture import LENS_BLUR_PX, aperture_weights, to_pixels
 from sim.camera import Intrinsics, Pose, project
 from sim.compose import Eye, Street, compose
 from sim.keyframes import Keyframe, KeyframeStore, cut_pieces, keyframe_times
 from sim.mains import Mains, changed_lights
 from sim.moves import body_poses, followed_by, into_camera
-from sim.moving_light import MovingLight
+from sim.moving_light import LightReach, MovingLight
 from sim.objects import MovingObject
 from sim.raster import NOTHING, bounds, perspective, rasterise
 from sim.renderer import NEAR_M, FilamentRenderer, Luminance
@@ -32,7 +32,7 @@ from sim.street_light import draw_street
 from sim.triangles import triangle_soup
 from sim.turning import turned_image
 from sim.visible import Visible, look
-from sim.windows import Window, merged, window_around
+from sim.windows import Window, hull, merged, window_around
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -42,6 +42,9 @@ PLAN_STEP_PX = 4.0
 """How far things may move between the times at which reach and keyframes are planned [px]."""
 SHAKE_MARGIN_PX = 3
 """Beyond the farthest that a shake turns the image: what its interpolation asks for."""
+SHAKE_SCALE = 2
+"""Pixels that the image of a camera at rest has for one of the shaken camera, along each axis: what
+is turned must be finer than what is seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,7 @@ class Reprojection:
         """Draw the still street, and plan the keyframes.
 
         Args:
-            renderer: of `model`; its lens is `lens`, grown by `shake_margin_px`.
+            renderer: of `model`; its lens is `rest_lens`.
             model: the scene's, in luminance.
             scene: what moves, and how.
             lens: the camera's.
@@ -90,20 +93,23 @@ class Reprojection:
         """
         self._renderer, self._model, self._scene = renderer, model, scene
         self._wide, self._lens, self._seconds = renderer.intrinsics, lens, seconds
-        self._size, self._pose = supersample, scene.pose
+        self._scale = SHAKE_SCALE if scene.shake else 1
+        self._size, self._pose = -(-supersample // self._scale), scene.pose
+        self._blur_px = 0.0 if scene.shake else LENS_BLUR_PX
         self._data = mujoco.MjData(model)
         self._place(times_us[0])
         soup = triangle_soup(model)
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers, self._still_soup = soup.of_bodies(moving), soup.without_bodies(moving)
-        self._light = MovingLight(
-            model, self._data, scene.objects, self._movers, self._pose, self._wide
-        )
+        self._reach = LightReach(model, self._data, scene.objects, self._pose, self._wide)
+        self._light = MovingLight(model, self._movers, self._reach)
         self._mains = Mains(scene.mains_lights, scene.mains_materials) if scene.flicker else None
-        self._weights = aperture_weights(supersample)
-        plan, reach = self._plan(times_us, spacing_px, max(int(PLAN_STEP_PX / step_px), 1))
+        self._weights = aperture_weights(self._size, self._blur_px)
+        plan, reach = self._plan(
+            times_us, spacing_px * self._scale, max(int(PLAN_STEP_PX / step_px), 1)
+        )
         self._keyframes = KeyframeStore(
-            plan, scene.objects, self._draw_keyframe, bodies=model.nbody, per_pixel=supersample
+            plan, scene.objects, self._draw_keyframe, bodies=model.nbody, per_pixel=self._size
         )
         self._street = self._draw_street(reach)
         self._still = self._street.pixels.sum(axis=0)
@@ -119,7 +125,9 @@ class Reprojection:
         if self._scene.shake is None:
             return Drawn(luminance, self._visible(poses, self._pose, windows), windows)
         pose = self._scene.pose_at(t_s)
-        luminance = turned_image(luminance, self._pose, self._wide, pose, self._lens)
+        fine = self._lens.scaled(self._scale)
+        luminance = turned_image(luminance, self._pose, self._wide, pose, fine)
+        luminance = to_pixels(luminance, self._scale)
         visible = look(self._still_soup, poses, pose, self._lens)
         visible = look(self._movers, poses, pose, self._lens, visible)
         return Drawn(luminance, visible, [(0, 0, self._lens.width, self._lens.height)])
@@ -132,7 +140,7 @@ class Reprojection:
         if self._mains is not None:
             still = np.tensordot(gains.astype(np.float32), self._street.pixels, axes=1)
         flat, body = self._project(poses)
-        reach = self._light.reach(self._data)
+        reach = self._reach.at(self._data)
         windows = merged(self._body_windows(flat, body) + reach.windows)
         luminance = still.copy()
         if windows:
@@ -162,9 +170,9 @@ class Reprojection:
 
     def _gains(self, factor: float) -> F64:
         """What each part of the street is multiplied by: steady, lights, mains."""
-        gains = np.ones(1 + len(self._light.shadowing) + (self._mains is not None))
+        gains = np.ones(1 + len(self._reach.shadowing) + (self._mains is not None))
         if self._mains is not None:
-            gains[1:-1][np.isin(self._light.shadowing, self._mains.lights)] = factor
+            gains[1:-1][np.isin(self._reach.shadowing, self._mains.lights)] = factor
             gains[-1] = factor
         return gains
 
@@ -208,7 +216,7 @@ class Reprojection:
         for k, t_us in enumerate(times):
             self._place(t_us)
             corners_m[:, k] = [obj.corners_m(self._data) for obj in objects]
-            reach = merged(reach + self._light.reach(self._data).windows)
+            reach = merged(reach + self._reach.at(self._data).windows)
         plan = {}
         for obj, corners in zip(objects, corners_m, strict=True):
             pixels, depth = project(corners.reshape(-1, 3), self._pose, self._wide)
@@ -242,7 +250,9 @@ class Reprojection:
         label, _ = self._fine_points(flat, body, window)
         views = followed_by(poses, into_camera(self._pose))
         mine = {int(b): views[b] for b in obj.bodies}
-        return Keyframe(t_us, cut_pieces(np.stack(parts), label, mine, window[:2], self._size))
+        return Keyframe(
+            t_us, cut_pieces(np.stack(parts), label, mine, window[:2], self._size, self._blur_px)
+        )
 
     def _draw_fine(self, window: Window) -> F32:
         self._renderer.update(self._data)
@@ -251,11 +261,9 @@ class Reprojection:
     def _draw_street(self, reach: list[Window]) -> Street:
         """Draw the street without what moves."""
         geoms = [int(g) for o in self._scene.objects for g in o.geoms]
-        off = {int(k): 0.0 for k in self._light.beams}
-        low = np.array([w[:2] for w in reach] or [(0, 0)]).min(axis=0)
-        high = np.array([w[2:] for w in reach] or [(1, 1)]).max(axis=0)
-        spare = math.ceil(2 * PLAN_STEP_PX)
-        window = window_around(low - spare, high + spare, self._wide)
+        off = {int(k): 0.0 for k in self._reach.beams}
+        spare, held = math.ceil(2 * PLAN_STEP_PX), np.array(hull(reach))
+        window = window_around(held[:2] - spare, held[2:] + spare, self._wide)
         with changed_lights(self._model, off), self._renderer.hidden(geoms):
             return draw_street(
                 self._renderer,
@@ -263,18 +271,26 @@ class Reprojection:
                 self._data,
                 self._pose,
                 self._still_soup,
-                self._light.shadowing,
+                self._reach.shadowing,
                 self._mains,
                 window or (0, 0, 1, 1),
                 self._size,
+                self._blur_px,
             )
 
 
-def shake_margin_px(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> int:
-    """How far beyond the image a shaking camera looks, at most [px]."""
+def rest_lens(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> Intrinsics:
+    """A lens that sees, from a camera at rest, all that the scene's shaking camera does, finer.
+
+    Args:
+        scene: whose camera shakes, or rests.
+        lens: the camera's.
+        times_s: when it looks [s].
+    """
     if scene.shake is None:
-        return 0
+        return lens
     angle = max(float(np.linalg.norm(scene.shake.rotation_rad(t))) for t in times_s)
     corner = math.hypot(lens.width, lens.height) / 2 / lens.focal_px
     swing = math.tan(math.atan(corner) + angle) - corner
-    return math.ceil(lens.focal_px * swing) + SHAKE_MARGIN_PX
+    margin_px = math.ceil(lens.focal_px * swing) + SHAKE_MARGIN_PX
+    return lens.grown(margin_px).scaled(SHAKE_SCALE)

@@ -43,6 +43,7 @@ def draw_street(
     mains: Mains | None,
     window: Window,
     supersample: int,
+    blur_px: float,
 ) -> Street:
     """Draw what never moves, light by light.
 
@@ -56,6 +57,7 @@ def draw_street(
         mains: what flickers; its glow makes a last part.
         window: what shadows and beams can reach; elsewhere the lights are not told apart.
         supersample: fine points per pixel and axis.
+        blur_px: deviation of the lens's point spread [px].
     """
     lens = renderer.intrinsics
 
@@ -84,9 +86,9 @@ def draw_street(
     albedo[box] = _albedo(model, lambda: drawn(window))
     nearness, normals = _shape(lens, data, pose, soup, supersample)
     return Street(
-        pixels=np.stack([to_pixels(part, supersample) for part in points]),
+        pixels=np.stack([to_pixels(part, supersample, blur_px) for part in points]),
         points=points,
-        albedo_pixels=to_pixels(albedo, supersample),
+        albedo_pixels=to_pixels(albedo, supersample, blur_px),
         albedo_points=albedo,
         nearness=nearness,
         normals=normals,

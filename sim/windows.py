@@ -81,6 +81,14 @@ def beam_window(
     return points_window(np.concatenate([place_m[None], place_m + rays]), pose, lens)
 
 
+def hull(windows: list[Window]) -> Window:
+    """The smallest window that holds all; one without pixels where there are none."""
+    if not windows:
+        return 0, 0, 0, 0
+    x0, y0, x1, y1 = zip(*windows, strict=True)
+    return min(x0), min(y0), max(x1), max(y1)
+
+
 def merged(windows: list[Window]) -> list[Window]:
     """Windows that hold the same pixels and do not overlap."""
     apart: list[Window] = []
@@ -88,12 +96,7 @@ def merged(windows: list[Window]) -> list[Window]:
         grown = window
         while hit := next((w for w in apart if _overlap(w, grown)), None):
             apart.remove(hit)
-            grown = (
-                min(hit[0], grown[0]),
-                min(hit[1], grown[1]),
-                max(hit[2], grown[2]),
-                max(hit[3], grown[3]),
-            )
+            grown = hull([hit, grown])
         apart.append(grown)
     return apart
 

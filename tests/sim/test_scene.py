@@ -13,7 +13,6 @@ import pytest
 
 from sim import CrossingConfig, Direction, Intrinsics, Lighting, project
 from sim.distractors import Distractors, Pavement, VehicleKind, Way
-from sim.influence import influence_window
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.scene import Scene, build_scene, compose
 
@@ -189,26 +188,3 @@ def test_some_paint_all_but_vanishes_before_the_road() -> None:
     assert abs(contrast[1]) < 0.15
     assert contrast[0] < -0.7
     assert contrast[2] > 1.4
-
-
-@pytest.mark.parametrize("kind", list(VehicleKind))
-def test_the_influence_window_holds_every_moving_object(kind: VehicleKind) -> None:
-    extra = Distractors(far_vehicle=Way.OPPOSITE, far_vehicle_kind=kind, pedestrian=Way.SAME)
-    scene = build_scene(CrossingConfig(vehicle=kind, distractors=extra))
-    with rendered(scene) as draw:
-        before, after = draw(-0.05), draw(0.1)
-        changed = np.abs(np.log(after / before)) > 0.05
-        assert changed.any()
-        for t_s in (-0.05, 0.1):
-            window = influence_window(scene, t_s, COARSE)
-            assert window is not None
-            x0, y0, x1, y1 = window
-            changed[y0:y1, x0:x1] = False
-    assert changed.mean() < 0.002
-
-
-def test_with_shake_wind_or_flicker_all_of_the_image_may_change() -> None:
-    lens = Intrinsics()
-    for extra in (Distractors(wind_grade=1), Distractors(shake_rms_deg=0.1)):
-        scene = build_scene(CrossingConfig(distractors=extra))
-        assert influence_window(scene, -30.0, lens) == (0, 0, lens.width, lens.height)

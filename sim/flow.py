@@ -1,0 +1,130 @@
+"""Dense truth of an image: depth and optical flow of every pixel's middle, from rigid motions.
+
+All is said in the camera's own frame, right, down and forward, so that what the camera itself
+does, its shake included, is part of the motion. The sky is infinitely far: it moves as the camera
+turns, and no other way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from sim.camera import Intrinsics
+from sim.moves import followed_by, undone
+from sim.visible import Visible
+
+F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
+
+
+def depth_m(visible: Visible) -> F32:
+    """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(1 / visible.nearness, np.float32)
+
+
+def flow_px_s(visible: Visible, twists: F64, lens: Intrinsics) -> F32:
+    """Velocity in the image of what each pixel's middle shows.
+
+    Of a point X = (x, y, z) that moves at Ẋ before the camera it is f·(ẋ/z − x·ż/z², …).
+
+    Args:
+        visible: what the camera sees.
+        twists: (bodies, 3, 4) from a place in the camera's frame to the velocity there of what is
+            rigidly joined to each body [1/s, m/s].
+        lens: the camera's.
+
+    Returns:
+        (height, width, 2) float32, x and y [px/s].
+    """
+    return np.asarray(_flow(visible.body, visible.nearness, twists, *_eye(lens)))
+
+
+def displacement_px(visible: Visible, moves: F64, lens: Intrinsics) -> F32:
+    """How far what each pixel's middle shows has gone in the image when its body has moved.
+
+    Args:
+        visible: what the camera sees before.
+        moves: (bodies, 3, 4) from a place in the camera's frame to where it is in the camera's
+            frame later, for what is rigidly joined to each body.
+        lens: the camera's.
+
+    Returns:
+        (height, width, 2) float32, x and y [px]; it may lead out of the image, or to where
+        something else is in front; not a number where it leads behind the camera.
+    """
+    return np.asarray(_displacement(visible.body, visible.nearness, moves, *_eye(lens)))
+
+
+def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
+    """Velocities of rigid bodies from where they are at three times, by central differences.
+
+    Args:
+        before: (bodies, 3, 4) from each body's frame into the camera's, half of `apart_s` earlier.
+        now: likewise.
+        after: likewise, as much later.
+        apart_s: from `before` to `after` [s].
+
+    Returns:
+        (bodies, 3, 4) from a place in the camera's frame to the velocity there [1/s, m/s].
+    """
+    rate = (after - before) / apart_s
+    back = undone(now)
+    twist: F64 = rate[..., :3] @ back
+    twist[..., 3] += rate[..., 3]
+    return twist
+
+
+def moves_between(before: F64, after: F64) -> F64:
+    """(bodies, 3, 4) from the camera's frame at one time to its frame at another.
+
+    Args:
+        before: (bodies, 3, 4) from each body's frame into the camera's, at the first time.
+        after: likewise, at the second.
+    """
+    return followed_by(undone(before), after)
+
+
+def _eye(lens: Intrinsics) -> tuple[float, float, float]:
+    return lens.focal_px, lens.width / 2, lens.height / 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _flow(
+    body: I32, nearness: F32, twists: F64, focal: float, centre_x: float, centre_y: float
+) -> F32:
+    height, width = body.shape
+    out = np.empty((height, width, 2), np.float32)
+    for row in range(height):
+        y = (row + 0.5 - centre_y) / focal
+        for column in range(width):
+            x = (column + 0.5 - centre_x) / focal
+            k, near = max(body[row, column], 0), nearness[row, column]
+            a = twists[k, 0, 0] * x + twists[k, 0, 1] * y + twists[k, 0, 2] + twists[k, 0, 3] * near
+            b = twists[k, 1, 0] * x + twists[k, 1, 1] * y + twists[k, 1, 2] + twists[k, 1, 3] * near
+            c = twists[k, 2, 0] * x + twists[k, 2, 1] * y + twists[k, 2, 2] + twists[k, 2, 3] * near
+            out[row, column, 0] = focal * (a - x * c)
+            out[row, column, 1] = focal * (b - y * c)
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _displacement(
+    body: I32, nearness: F32, moves: F64, focal: float, centre_x: float, centre_y: float
+) -> F32:
+    height, width = body.shape
+    out = np.empty((height, width, 2), np.float32)
+    for row in range(height):
+        y = (row + 0.5 - centre_y) / focal
+        for column in range(width):
+            x = (column + 0.5 - centre_x) / focal
+            k, near = max(body[row, column], 0), nearness[row, column]
+            a = moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] + moves[k, 0, 3] * near
+            b = moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] + moves[k, 1, 3] * near
+            c = moves[k, 2, 0] * x + moves[k, 2, 1] * y + moves[k, 2, 2] + moves[k, 2, 3] * near
+            out[row, column, 0] = focal * (a / c - x) if c > 0.0 else np.nan
+            out[row, column, 1] = focal * (b / c - y) if c > 0.0 else np.nan
+    return out
