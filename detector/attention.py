@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,6 +16,7 @@ import numpy.typing as npt
 
 from detector.correlation import DOWN, LEFT, RIGHT, UP
 from detector.fly_config import FlyConfig
+from detector.readings import Attention, LocalMotion
 from detector.region import search_square
 
 F32 = npt.NDArray[np.float32]
@@ -90,6 +92,22 @@ def local_motion(maps: F32, centre: Pair, *, reach: float) -> Pair:
     return float(sums[RIGHT] - sums[LEFT]) / total, float(sums[DOWN] - sums[UP]) / total
 
 
+def motion_at_centre(maps: F32, centre: Pair) -> Pair:
+    """Opponent motion ℳ at the cell of the view centre (paper, equation 13 as printed).
+
+    Args:
+        maps: T4 + T5, (4, rows, columns) float32.
+        centre: view centre [cells].
+
+    Returns:
+        ℳ along x (rightward positive) and y (downward positive), of any size.
+    """
+    column = min(max(round(centre[0]), 0), maps.shape[2] - 1)
+    row = min(max(round(centre[1]), 0), maps.shape[1] - 1)
+    right, left, up, down = map(float, maps[:, row, column])
+    return right - left, down - up
+
+
 def steering_response(motion: float, position: float, *, g_m: float, g_p: float) -> float:
     """Fuse motion and position response into Γ (paper, equation 14) [cells]."""
     return g_m * motion + g_p * position
@@ -139,6 +157,21 @@ class ViewCentre:
         lag = config.window_hops
         self._steered: deque[Pair] = deque([(0.0, 0.0)] * lag, maxlen=lag)
 
+    def state(self) -> dict[str, npt.NDArray[Any]]:
+        """Everything that changes, as arrays by name."""
+        return {
+            "position": np.array(self.position),
+            "is_attending": np.array(self.is_attending),
+            "steered": np.array(self._steered),
+        }
+
+    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Go on from what `state` of the same configuration and grid gave."""
+        x, y = state["position"].tolist()
+        self.position = x, y
+        self.is_attending = bool(state["is_attending"])
+        self._steered.extend((x, y) for x, y in state["steered"].tolist())
+
     def release(self) -> None:
         """Let go: back to the image centre, steering forgotten."""
         self.position = self._home
@@ -152,18 +185,30 @@ class ViewCentre:
             saliency: (rows, columns) float32.
             maps: T4 + T5, (4, rows, columns) float32.
         """
+        if self._config.attention is Attention.EVERYWHERE:
+            self.is_attending = True
+            return
         if prominence(saliency) < self._config.saliency_floor:
             self.release()
             return
         self.is_attending = True
-        errors = position_error(most_salient(saliency), self.position)
-        motion = local_motion(maps, self.position, reach=self._config.roi_reach_cells)
+        target = most_salient(saliency)
+        if self._config.attention is Attention.MAXIMUM:
+            self.position = target
+            return
+        errors = position_error(target, self.position)
+        motion = self._motion(maps)
         steered = self._steer(0, errors[0], motion[0]), self._steer(1, errors[1], motion[1])
         self._steered.append(steered)
         self.position = (
             self.position[0] + shift_towards(errors[0], steered[0]),
             self.position[1] + shift_towards(errors[1], steered[1]),
         )
+
+    def _motion(self, maps: F32) -> Pair:
+        if self._config.local_motion is LocalMotion.CELL:
+            return motion_at_centre(maps, self.position)
+        return local_motion(maps, self.position, reach=self._config.roi_reach_cells)
 
     def _steer(self, axis: int, error: float, motion: float) -> float:
         """Γ̂(t) along one axis [cells]."""

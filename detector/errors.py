@@ -18,3 +18,7 @@ class EventOrderError(DetectorError, EventError):
 
     It is an `EventError` too: one `except` clause catches every complaint about a stream.
     """
+
+
+class StateError(DetectorError):
+    """A saved state that does not belong to this detector."""

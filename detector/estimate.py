@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
 
 from emulator.events import Events
 
@@ -67,7 +70,10 @@ class MotionEstimate:
 class Detector(Protocol):
     """A detector of motion direction that reads a stream in chunks of any size.
 
-    Neither the cuts between chunks nor the calls of `advance` between them may change an estimate.
+    It is made with the keywords `width` and `height`, the sensor's size [px], and looks at one
+    stream from one sensor. What is no sorted stream from there it refuses with an `EventError`, and
+    is then as before. Neither the cuts between chunks nor the calls of `advance` between them may
+    change an estimate.
     """
 
     def push(self, events: Events) -> list[MotionEstimate]:
@@ -89,5 +95,28 @@ class Detector(Protocol):
 
         Returns:
             The estimates that became due: those whose window ends at or before `t_us`.
+        """
+        ...
+
+
+@runtime_checkable
+class FrameDetector(Detector, Protocol):
+    """A detector that looks at intensity frames too, or at nothing else.
+
+    Whoever runs detectors calls `push_frame` where there is one (`isinstance` tells), and calls
+    `push` and `advance` all the same: one that needs no events answers them with `[]`, or with the
+    estimates that their time made due. Calls come in order of time: events before a frame's
+    `t_us` are passed before it, later ones after it.
+    """
+
+    def push_frame(self, t_us: int, frame: npt.NDArray[np.uint16]) -> list[MotionEstimate]:
+        """Take the next frame.
+
+        Args:
+            t_us: end of its exposure, not before what was passed or advanced to before [µs].
+            frame: (height, width) uint16, raw counts of the APS; not kept and not changed.
+
+        Returns:
+            The estimates that became due.
         """
         ...

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from detector.attention import ViewCentre, saliency_map
-from detector.correlation import t4, t5
+from detector.correlation import DOWN, LEFT, RIGHT, UP, t4, t5
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.fly_config import FlyConfig
+from detector.readings import Attention, Normalisation, RegionActivity
 from detector.region import region_of_interest
+from detector.state import State, check_arrays, check_origin, joined, origin, part_of
 from detector.stream import check_chunk, check_order, whole_time
 from detector.tangential import (
     horizontal_system,
     lobula_plate,
     normalise,
+    share_of_total,
+    signal_to_noise,
     vertical_system,
     winner_take_all,
 )
@@ -53,9 +59,10 @@ class FlyMaps:
 class FlyDetector:
     """Direction of motion from events, as the fly's optic lobe would (paper, Section II).
 
-    Operating range with the default parameters: a drawn car of 200 px is told right in every step
-    from 180 to 790 px/s (noise to 10 Hz a pixel); above, steps go wrong, and below some 100 px/s,
-    where an object covers less than the shortest correlation distance, the sign can flip.
+    Operating range, on drawn targets of 120 px in four directions: with the paper's parameters
+    steps are right from 160 px/s on (up to 1500 px/s measured); below, the response is weak
+    and may have the wrong sign, and the fly mostly says none. `FlyConfig.preset("wide")` is right
+    from 30 to 1500 px/s, both in noise of up to 10 Hz a pixel.
 
     It gives an estimate at every whole multiple of the hop from time 0 on. After
     `quiet_limit_us` without an event it sleeps: estimates stop, and go on with the hop of the next
@@ -90,7 +97,6 @@ class FlyDetector:
         self._centre = ViewCentre(c, grid=grid, home=home)
         self._hop = 0
         self._now_us: int | None = None
-        self._last_event_us = 0
         self._blank_maps = _blank_maps(grid, c.cell_px)
         self.maps = self._blank_maps
 
@@ -101,23 +107,21 @@ class FlyDetector:
             EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
             EventOrderError: the first event is older than what was passed or advanced to before.
         """
-        check_chunk(events, width=self._width, height=self._height, now_us=self._now_us or 0)
-        if events.size == 0:
+        now_us = 0 if self._now_us is None else self._now_us
+        raw = check_chunk(events, width=self._width, height=self._height, now_us=now_us)
+        if raw.size == 0:
             return []
-        first_us = int(events["t"][0])
-        if self._now_us is None and first_us > self.config.quiet_limit_us:
-            self._hop = first_us // self.config.hop_us
+        if self._now_us is None:
+            self._wake(int(raw["t"][0]))
         estimates: list[MotionEstimate] = []
         taken = 0
         while True:
             hop_end_us = (self._hop + 1) * self.config.hop_us
-            taken += self._surfaces.accumulate(events[taken:], hop=self._hop, until_us=hop_end_us)
-            if taken:
-                self._last_event_us = int(events["t"][taken - 1])
-            if taken == events.size:
+            taken = self._surfaces.accumulate(raw, taken, until_us=hop_end_us)
+            if taken == raw.size:
                 break
-            estimates += self._due(int(events["t"][taken]))
-        self._now_us = self._last_event_us
+            estimates += self._due(int(raw["t"][taken]))
+        self._now_us = self._surfaces.last_event_us
         return estimates
 
     def advance(self, t_us: int) -> list[MotionEstimate]:
@@ -132,64 +136,117 @@ class FlyDetector:
         self._now_us = t_us
         return self._due(t_us)
 
+    def state(self) -> State:
+        """What the fly remembers, as plain arrays that `restore` takes.
+
+        `np.savez(path, **fly.state())` keeps it. Its size follows the events of the last window,
+        not the stream. The maps for display are not part of it.
+        """
+        now_us = -1 if self._now_us is None else self._now_us
+        parts = {
+            "fly": {"hop": np.array(self._hop), "now_us": np.array(now_us)},
+            "surfaces": self._surfaces.state(),
+            "centre": self._centre.state(),
+        }
+        return origin(self.config, width=self._width, height=self._height) | joined(parts)
+
+    def restore(self, state: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Go on where another fly was when its `state` was taken; the same estimates follow.
+
+        Raises:
+            StateError: it comes from another configuration or sensor, or is not whole.
+        """
+        check_origin(state, origin(self.config, width=self._width, height=self._height))
+        check_arrays(state, self.state(), loose={"surfaces.times", "surfaces.pixels"})
+        self._surfaces.restore(part_of(state, "surfaces"))
+        self._centre.restore(part_of(state, "centre"))
+        now_us = int(state["fly.now_us"])
+        self._hop, self._now_us = int(state["fly.hop"]), None if now_us < 0 else now_us
+        self.maps = self._blank_maps
+
+    def _wake(self, t_us: int) -> None:
+        """Start with the hop of this first event where the stream begins late."""
+        if t_us > self.config.quiet_limit_us:
+            self._begin_hop(t_us // self.config.hop_us)
+
     def _due(self, t_us: int) -> list[MotionEstimate]:
         """Estimates of the windows that end at or before `t_us`, as far as the fly is awake."""
         estimates = []
         hop_us = self.config.hop_us
         while (end_us := (self._hop + 1) * hop_us) <= t_us:
-            if end_us - self._last_event_us > self.config.quiet_limit_us:
-                self._hop = t_us // hop_us
+            if end_us - self._surfaces.last_event_us > self.config.quiet_limit_us:
+                self._begin_hop(t_us // hop_us)
                 break
             estimates.append(self._estimate(end_us))
-            self._hop += 1
-            self._surfaces.begin_hop(self._hop)
+            self._begin_hop(self._hop + 1)
         return estimates
+
+    def _begin_hop(self, hop: int) -> None:
+        self._hop = hop
+        self._surfaces.begin_hop(hop)
 
     def _estimate(self, end_us: int) -> MotionEstimate:
         c = self.config
+        off, on = self._surfaces.average(hop=self._hop)
         if self._surfaces.is_quiet:
             self._centre.release()
             self.maps = self._blank_maps
         else:
-            self.maps = self._see()
+            self.maps = self._see(on, off)
         lp = lobula_plate(self.maps.motion, self.maps.attended)
         response = horizontal_system(lp), vertical_system(lp)
-        cells = self.maps.attended.size
-        hs, vs = (normalise(r, cells=cells, scale=c.response_scale) for r in response)
+        hs, vs = self._normalise(response, lp)
+        snr = signal_to_noise(self.maps.motion, self.maps.attended)
         x, y = self._centre.position
         return MotionEstimate(
             t_us=end_us,
             hs=hs,
             vs=vs,
-            direction=winner_take_all(hs, vs, floor=c.floor),
+            direction=winner_take_all(hs, vs, snr=snr, snr_floor=c.snr_floor),
             strength=max(abs(hs), abs(vs)),
             response=response,
             view_centre_px=((x + 0.5) * c.cell_px, (y + 0.5) * c.cell_px),
             roi_px=self._roi_px(),
         )
 
-    def _see(self) -> FlyMaps:
+    def _normalise(
+        self, response: tuple[float, float], lp: tuple[float, float, float, float]
+    ) -> tuple[float, float]:
+        if self.config.normalisation is Normalisation.TOTAL:
+            hs, vs = response
+            return share_of_total(hs, lp[RIGHT] + lp[LEFT]), share_of_total(vs, lp[UP] + lp[DOWN])
+        cells, scale = self.maps.attended.size, self.config.response_scale
+        hs, vs = (normalise(r, cells=cells, scale=scale) for r in response)
+        return hs, vs
+
+    def _see(self, on: F32, off: F32) -> FlyMaps:
         c = self.config
-        off, on = self._surfaces.average(hop=self._hop)
-        off_delayed, on_delayed = self._surfaces.average(hop=self._hop - c.delay_hops)
-        t4_maps = t4(on, on_delayed, spacing=c.spacing_cells, count=c.spacings)
-        t5_maps = t5(off, off_delayed, spacing=c.spacing_cells, count=c.spacings)
+        off_delayed, on_delayed = self._surfaces.delayed(hop=self._hop)
+        t4_maps = t4(on, on_delayed, offsets=c.offsets_cells, noted_at=c.noted_at)
+        t5_maps = t5(off, off_delayed, offsets=c.offsets_cells, noted_at=c.noted_at)
         motion = t4_maps + t5_maps
         saliency = saliency_map(on, off, radius=c.saliency_radius_cells)
         self._centre.update(saliency, motion)
-        attended = self._blank_maps.attended
-        if self._centre.is_attending:
-            # The delayed arm of a correlation lies behind the present one: both make the region.
-            activity = saliency_map(
-                on + on_delayed, off + off_delayed, radius=c.roi_smoothing_cells
-            )
-            attended = region_of_interest(
-                activity,
-                self._centre.position,
-                reach=c.roi_reach_cells,
-                share=c.roi_share,
-            )
+        attended = self._attend(on, off)
         return FlyMaps(on, off, motion, saliency, attended, c.cell_px)
+
+    def _attend(self, on: F32, off: F32) -> npt.NDArray[np.bool_]:
+        """The region of interest."""
+        c = self.config
+        if not self._centre.is_attending:
+            return self._blank_maps.attended
+        if c.attention is Attention.EVERYWHERE:
+            return np.ones_like(self._blank_maps.attended)
+        if c.roi_activity is RegionActivity.BOTH:
+            # The delayed arm of a correlation lies behind the present one.
+            off_before, on_before = self._surfaces.averaged(hop=self._hop - c.delays_hops[0])
+            on, off = on + on_before, off + off_before
+        return region_of_interest(
+            saliency_map(on, off, radius=c.roi_smoothing_cells),
+            self._centre.position,
+            reach=c.roi_reach_cells,
+            share=c.roi_share,
+        )
 
     def _roi_px(self) -> tuple[int, int, int, int] | None:
         attended, side = self.maps.attended, self.config.cell_px

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from enum import StrEnum
 from numbers import Integral, Real
 from typing import Any
 
 from detector.errors import DetectorConfigError
-from detector.histogram import Averaging
+from detector.readings import (
+    Attention,
+    Averaging,
+    LocalMotion,
+    Normalisation,
+    NotedAt,
+    Offsets,
+    RegionActivity,
+    TimeSurface,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,12 +29,19 @@ class FlyConfig:
         window_us: Δt, window of the time surface and of its average [µs]. Table I.
         hop_us: step between estimates [µs]; Δt and the delay are multiples of it. Assumed.
         delay_us: how far the delayed signal lags [µs]. One Δt: the previous window (assumed).
+        further_delays_us: other lags; the delayed signal is then the mean over all of them, a delay
+            line with several taps [µs]. None in the paper.
         cell_px: side of a cell [px]. Section II-B.
         neighbourhood_px: half side of the neighbourhood z of equation 3, over which a surface is
             summed [px]. 0, the pixel alone, so that an isolated event scores 0 (assumed).
+        time_surface: whether an event counts in its own surface. Not, equation 3.
         averaging: what a cell's sum is divided by. The number of events, equation 5.
         spacing_cells: sd, shortest correlation distance [cells]. Table I.
         spacings: n_c, number of correlation distances. Table I.
+        offsets: how the distances follow one another. In steps of sd (assumed).
+        noted_at: the cell to which a correlation belongs. The pair's midpoint (assumed).
+        attention: how the view centre finds its place. By steering, section II-D.
+        local_motion: what ℳ of equation 13 is relative to. The total nearby (assumed).
         g_m: gain of the motion response in steering [cells]. Table I.
         g_p: gain of the position response in steering [cells]. Table I.
         alpha: share of the new response in the steering low-pass; Δt / (Δt + τ_s) with τ_s = Δt.
@@ -32,6 +49,7 @@ class FlyConfig:
         exponent_cap: largest exponent of the position response. 4, reached at half the grid's
             side; from there on every shift ends on its target anyway (assumed).
         roi_radius_px: R, half side of the search square [px]. Table I, read as sensor pixels.
+        roi_activity: what the region grows on. Present and delayed surfaces (assumed).
         roi_smoothing_cells: half side of the box that smooths the activity on which the region
             grows [cells]. sd: what lies closer than a correlation distance belongs together
             (assumed).
@@ -42,12 +60,14 @@ class FlyConfig:
         saliency_floor: least height of the saliency's maximum over its mean that draws attention.
             0.1: drawn noise of 0.1 to 20 Hz a pixel with hot pixels reaches 0.10, cars at 350 px/s
             reach 0.3 to 2 (assumed).
+        normalisation: what brings a response into (−1, 1). The sigmoid over cells (assumed).
         response_scale: response per grid cell that the sigmoid scales by. One value by day and by
             night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, faster and
             slower than any that is judged on, have medians of 0.22, 0.36, 0.91 and 0.95 with
             samples up to 4 px apart (assumed).
-        floor: least strength that counts as motion. 0.00033 is a response of 20, above the 14
-            that drawn noise of 10 Hz a pixel reaches without attention (assumed).
+        snr_floor: least signal-to-noise ratio of a response that counts as motion; see
+            `detector.tangential.signal_to_noise`. 3 standard deviations: noise gives about a
+            normal variable, which passes them once in 370 times (assumed).
         quiet_limit_us: how long after the last event estimates go on [µs]. Assumed: 60 s, far
             beyond any crossing, and 6000 estimates at most.
 
@@ -60,22 +80,30 @@ class FlyConfig:
     window_us: int = 50_000
     hop_us: int = 10_000
     delay_us: int = 50_000
+    further_delays_us: tuple[int, ...] = ()
     cell_px: int = 3
     neighbourhood_px: int = 0
+    time_surface: TimeSurface = TimeSurface.EARLIER
     averaging: Averaging = Averaging.EVENTS
     spacing_cells: int = 4
     spacings: int = 4
+    offsets: Offsets = Offsets.EVEN
+    noted_at: NotedAt = NotedAt.MIDPOINT
+    attention: Attention = Attention.STEERED
+    local_motion: LocalMotion = LocalMotion.SHARE
     g_m: float = 5.0
     g_p: float = 30.0
     alpha: float = 0.5
     exponent_cap: float = 4.0
     roi_radius_px: int = 50
+    roi_activity: RegionActivity = RegionActivity.BOTH
     roi_smoothing_cells: int = 4
     roi_share: float = 0.1
     saliency_radius_cells: int = 8
     saliency_floor: float = 0.1
+    normalisation: Normalisation = Normalisation.CELLS
     response_scale: float = 3.0
-    floor: float = 0.00033
+    snr_floor: float = 3.0
     quiet_limit_us: int = 60_000_000
 
     @property
@@ -84,43 +112,73 @@ class FlyConfig:
         return self.window_us // self.hop_us
 
     @property
-    def delay_hops(self) -> int:
-        """Hops by which the delayed signal lags."""
-        return self.delay_us // self.hop_us
+    def delays_hops(self) -> tuple[int, ...]:
+        """Hops by which each tap of the delayed signal lags."""
+        return tuple(d // self.hop_us for d in (self.delay_us, *self.further_delays_us))
+
+    @property
+    def offsets_cells(self) -> tuple[int, ...]:
+        """Correlation distances [cells]."""
+        if self.offsets is Offsets.DOUBLING:
+            return tuple(self.spacing_cells << n for n in range(self.spacings))
+        return tuple(self.spacing_cells * n for n in range(1, self.spacings + 1))
 
     @property
     def roi_reach_cells(self) -> float:
         """R in cells."""
         return self.roi_radius_px / self.cell_px
 
+    @classmethod
+    def preset(cls, name: str) -> FlyConfig:
+        """Parameters by name: "paper", or "wide" for more speeds; see `PRESETS`.
+
+        Raises:
+            DetectorConfigError: there is none of this name.
+        """
+        if name not in PRESETS:
+            raise DetectorConfigError(
+                f"the preset is {name!r}; allowed is one of {', '.join(map(repr, PRESETS))}"
+            )
+        return PRESETS[name]
+
     def __post_init__(self) -> None:
         """Check every value, and bring it to its type."""
         for name, default in _defaults().items():
             value = getattr(self, name)
-            if isinstance(default, Averaging):
-                checked: object = _choice(name, value)
+            if isinstance(default, StrEnum):
+                checked: object = _choice(name, value, default)
+            elif isinstance(default, tuple):
+                checked = _delays(name, value)
             else:
                 checked = _number(name, value, default)
             object.__setattr__(self, name, checked)
         self._check_times()
 
     def _check_times(self) -> None:
-        for name in ("window_us", "delay_us"):
-            if getattr(self, name) % self.hop_us:
+        times = [("window_us", self.window_us), ("delay_us", self.delay_us)]
+        for name, value in times + [("further_delays_us", d) for d in self.further_delays_us]:
+            if value % self.hop_us:
                 raise DetectorConfigError(
-                    f"{name} is {getattr(self, name)} µs, no multiple of hop_us = {self.hop_us} "
+                    f"{name} is {value} µs, no multiple of hop_us = {self.hop_us} "
                     "µs; allowed are whole multiples; choose a hop that divides it"
                 )
-        if self.window_hops + self.delay_hops > _MOST_HOPS:
+        if self.window_hops + max(self.delays_hops) > _MOST_HOPS:
             raise DetectorConfigError(
-                f"hop_us is {self.hop_us} µs, which cuts window_us + delay_us into "
-                f"{self.window_hops + self.delay_hops} hops; allowed are {_MOST_HOPS}, for each is "
-                "kept in memory; choose a longer hop"
+                f"hop_us is {self.hop_us} µs, which cuts window_us and the longest delay into "
+                f"{self.window_hops + max(self.delays_hops)} hops; allowed are {_MOST_HOPS}, for "
+                "each is kept in memory; choose a longer hop"
             )
-        if self.quiet_limit_us < self.window_us + self.delay_us:
+        if self.window_us > _MOST_TAUS * self.tau_us:
             raise DetectorConfigError(
-                f"quiet_limit_us is {self.quiet_limit_us} µs; allowed is window_us + delay_us = "
-                f"{self.window_us + self.delay_us} µs or more, else it cuts off what is still seen"
+                f"window_us is {self.window_us} µs; allowed is {_MOST_TAUS} tau_us = "
+                f"{_MOST_TAUS * self.tau_us} µs or less, for of older events nothing is left; "
+                "choose a shorter window"
+            )
+        seen_us = self.window_us + max(self.delays_hops) * self.hop_us
+        if self.quiet_limit_us < seen_us:
+            raise DetectorConfigError(
+                f"quiet_limit_us is {self.quiet_limit_us} µs; allowed is window_us + the longest "
+                f"delay = {seen_us} µs or more, else it cuts off what is still seen"
             )
 
 
@@ -128,15 +186,25 @@ def _defaults() -> dict[str, Any]:
     return {field.name: field.default for field in fields(FlyConfig)}
 
 
-def _choice(name: str, value: Any) -> Averaging:
+def _choice(name: str, value: Any, default: StrEnum) -> StrEnum:
+    choices = type(default)
     try:
-        return Averaging(value)
+        return choices(value)
     except ValueError:
-        allowed = ", ".join(repr(choice.value) for choice in Averaging)
+        allowed = ", ".join(repr(choice.value) for choice in choices)
         raise DetectorConfigError(
-            f"{name} is {value!r}; allowed is one of {allowed}; the paper's value is "
-            f"{_defaults()[name].value!r}"
+            f"{name} is {value!r}; allowed is one of {allowed}; the paper's or the assumed value "
+            f"is {default.value!r}"
         ) from None
+
+
+def _delays(name: str, value: Any) -> tuple[int, ...]:
+    if not isinstance(value, tuple | list) or len(value) > _MOST_DELAYS:
+        raise DetectorConfigError(
+            f"{name} is {value!r}; allowed is a tuple of up to {_MOST_DELAYS} lags in µs; the "
+            "paper's value is ()"
+        )
+    return tuple(int(_number(name, lag, 0)) for lag in value)
 
 
 def _number(name: str, value: Any, default: int | float) -> int | float:
@@ -154,12 +222,17 @@ def _number(name: str, value: Any, default: int | float) -> int | float:
 
 _MOST_HOPS = 1000
 """Most hops kept: 323 MB with the default grid (assumed)."""
+_MOST_TAUS = 100
+"""Longest window in τ: e^−100 is nothing."""
+_MOST_DELAYS = 16
+"""Most taps besides the first (assumed)."""
 
 _RANGES: dict[str, tuple[float, float]] = {
     "tau_us": (1, 10_000_000),
     "window_us": (1, 10_000_000),
     "hop_us": (1, 10_000_000),
     "delay_us": (1, 10_000_000),
+    "further_delays_us": (1, 10_000_000),
     "cell_px": (1, 64),
     "neighbourhood_px": (0, 10),
     "spacing_cells": (1, 1000),
@@ -174,6 +247,37 @@ _RANGES: dict[str, tuple[float, float]] = {
     "saliency_radius_cells": (0, 50),
     "saliency_floor": (0.0, 1000.0),
     "response_scale": (1e-6, 1000.0),
-    "floor": (1e-6, 0.999),
+    "snr_floor": (0.0, 1000.0),
     "quiet_limit_us": (1, 3_600_000_000),
 }
+
+PRESETS = {
+    "paper": FlyConfig(),
+    "wide": FlyConfig(
+        delay_us=30_000,
+        further_delays_us=(100_000, 200_000),
+        spacing_cells=1,
+        spacings=5,
+        offsets=Offsets.DOUBLING,
+        saliency_floor=0.03,
+    ),
+}
+"""Parameters by name.
+
+paper: Table I, and what is settled for what it leaves open.
+
+wide: for image speeds of 60 to 1500 px/s. It departs from the paper preset in three things:
+
+- Distances of 1, 2, 4, 8 and 16 cells in place of 4, 8, 12 and 16. Opponent correlations compare
+  how well the delayed image fits the present one when shifted forwards and when shifted backwards.
+  What moved by less than the shortest distance is compared on two slopes of its own
+  autocorrelation, which may rise again with a repeated texture (panels, wheels): the sign flips.
+  The shortest distance possible sees the central peak, whose slope has one sign; the longest is as
+  long as the paper's.
+- Three delays of 30, 100 and 200 ms in place of 50. At 60 px/s an object moves less than a cell
+  in 50 ms, and 12 px in 200; at 1500 px/s it moves 45 px in 30 ms, within the longest distance of
+  48; what it leaves at the longer delays has gone from the region of interest.
+- Attention from a saliency of 0.03 on in place of 0.1: a slow rim without texture reaches no more.
+  In noise of some 5 Hz a pixel and more, attention then wanders while nothing moves; the
+  signal-to-noise floor still says none.
+"""

@@ -2,64 +2,72 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from detector.readings import Averaging
 
-class Averaging(StrEnum):
-    """What the sum over a cell's events is divided by (equation 5)."""
+F32 = npt.NDArray[np.float32]
 
-    EVENTS = "events"
-    """The number of the cell's events in the window: the paper's |C|."""
-    AREA = "area"
-    """The number of pixels in a cell: few events then count for little."""
-    NONE = "none"
-    """Nothing: the histogram of equation 4."""
+_EVENTS, _BOTH, _AREA, _NONE = range(4)
+_DIVISORS = {
+    Averaging.EVENTS: _EVENTS,
+    Averaging.BOTH: _BOTH,
+    Averaging.AREA: _AREA,
+    Averaging.NONE: _NONE,
+}
 
 
 def averaged_histogram(
-    sums: npt.NDArray[np.float64],
-    counts: npt.NDArray[np.int64],
-    *,
-    averaging: Averaging,
-    cell_area: int,
-) -> npt.NDArray[np.float32]:
+    tallies: npt.NDArray[np.float64], *, averaging: Averaging, cell_area: int
+) -> F32:
     """Average the histogram of each cell (paper, equation 5; 6 and 7 are its two planes).
 
     Args:
-        sums: histogram of equation 4, (2, rows, columns), dimensionless.
-        counts: events behind each sum, same shape.
+        tallies: histogram of equation 4 and the number of events behind it, for each hop of a
+            window, oldest first: (hops, 2, rows, columns, 2), dimensionless.
         averaging: what to divide by.
         cell_area: pixels in a cell.
 
     Returns:
         (2, rows, columns) float32; 0 where a cell has no event.
     """
-    if averaging is Averaging.EVENTS:
-        sums = sums / np.maximum(counts, 1)
-    elif averaging is Averaging.AREA:
-        sums = sums / cell_area
-    return sums.astype(np.float32)
+    mean: F32 = _averaged(tallies, 0, _DIVISORS[averaging], float(cell_area))
+    return mean
+
+
+def averaged_ring(
+    tallies: npt.NDArray[np.float64], oldest: int, *, averaging: Averaging, cell_area: int
+) -> F32:
+    """The same where the oldest hop is not the first: the others follow it, around the end."""
+    mean: F32 = _averaged(tallies, oldest, _DIVISORS[averaging], float(cell_area))
+    return mean
 
 
 @njit(cache=True)
-def window_sums(sums: Any, counts: Any, hops: Any) -> Any:
-    """Add up the chosen hops in the order given.
-
-    Args:
-        sums: (hops kept, 2, rows, columns) float64.
-        counts: same shape, int64.
-        hops: indices on the first axis.
-
-    Returns:
-        Sum and number of events, each (2, rows, columns).
-    """
-    total, number = np.zeros_like(sums[0]), np.zeros_like(counts[0])
-    for hop in hops:
-        total += sums[hop]
-        number += counts[hop]
-    return total, number
+def _averaged(tallies: Any, oldest: int, divisor: int, cell_area: float) -> Any:
+    hops, _, rows, columns, _ = tallies.shape
+    mean = np.zeros((2, rows, columns), np.float32)
+    sums, counts = np.zeros((2, columns)), np.zeros((2, columns))
+    for row in range(rows):
+        sums[:], counts[:] = 0.0, 0.0
+        for n in range(oldest, oldest + hops):
+            for q in range(2):
+                here = tallies[n % hops, q, row]
+                for column in range(columns):
+                    sums[q, column] += here[column, 0]
+                    counts[q, column] += here[column, 1]
+        for q in range(2):
+            for column in range(columns):
+                by = 1.0
+                if divisor == _EVENTS:
+                    by = max(counts[q, column], 1.0)
+                elif divisor == _BOTH:
+                    by = max(counts[0, column] + counts[1, column], 1.0)
+                elif divisor == _AREA:
+                    by = cell_area
+                mean[q, row, column] = sums[q, column] / by
+    return mean

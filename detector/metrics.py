@@ -13,6 +13,10 @@ from collections.abc import Sequence
 from detector.estimate import Direction, MotionEstimate
 
 Estimates = Sequence[MotionEstimate]
+Box = tuple[int, int, int, int]
+"""x0, y0, x1, y1, half-open [px]."""
+Point = tuple[float, float]
+"""x, y in continuous pixel coordinates [px]."""
 
 
 def within(estimates: Estimates, crossing_us: tuple[int, int]) -> list[MotionEstimate]:
@@ -76,3 +80,28 @@ def onset_latency_us(
     """Time from the vehicle's entry to the first right decision [µs]; None if there is none."""
     right = [e.t_us for e in within(estimates, crossing_us) if e.direction is truth]
     return right[0] - crossing_us[0] if right else None
+
+
+def intersection_over_union(first: Box | None, second: Box | None) -> float:
+    """Overlap of two boxes: area of the intersection over that of the union, in [0, 1].
+
+    Args:
+        first: (x0, y0, x1, y1), half-open [px]; None: no box, which overlaps with none.
+        second: the same.
+    """
+    if first is None or second is None:
+        return 0.0
+    wide = min(first[2], second[2]) - max(first[0], second[0])
+    high = min(first[3], second[3]) - max(first[1], second[1])
+    shared = max(wide, 0) * max(high, 0)
+    union = _area(first) + _area(second) - shared
+    return shared / union if union else 0.0
+
+
+def centroid_error_px(view_centre: Point, centroid: Point) -> float:
+    """Distance from where attention rests to the true centroid, both (x, y) [px]."""
+    return math.dist(view_centre, centroid)
+
+
+def _area(box: Box) -> int:
+    return (box[2] - box[0]) * (box[3] - box[1])

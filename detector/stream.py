@@ -6,17 +6,18 @@ import operator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from numba import njit
 
 from detector.errors import EventOrderError
 from emulator.errors import EventError
 from emulator.events import EVENT_DTYPE, Events, check_events
 
-_RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
+RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
 """`EVENT_DTYPE` with the polarity's byte as a number."""
 
 
-def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None:
+def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> npt.NDArray[Any]:
     """Refuse a chunk that cannot go on with the stream.
 
     One compiled pass finds whether anything is wrong; only then is it looked for, so that chunks
@@ -28,16 +29,20 @@ def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None
         height: sensor rows [px].
         now_us: time that the stream has reached [µs].
 
+    Returns:
+        The same events as `RAW_DTYPE`, for the kernels.
+
     Raises:
         EventError: no sorted stream of `EVENT_DTYPE` from this sensor.
         EventOrderError: its first event is before `now_us`.
     """
-    is_array = isinstance(events, np.ndarray) and events.dtype == EVENT_DTYPE and events.ndim == 1
-    if is_array and _is_sound(events.view(_RAW_DTYPE), width, height, now_us):
-        return
+    if isinstance(events, np.ndarray) and events.dtype == EVENT_DTYPE and events.ndim == 1:
+        raw: npt.NDArray[Any] = events.view(RAW_DTYPE)
+        if _is_sound(raw, width, height, now_us):
+            return raw
     check_events(events, width=width, height=height)
     check_order(int(events["t"][0]), now_us)
-    polarity = events.view(_RAW_DTYPE)["p"]
+    polarity = events.view(RAW_DTYPE)["p"]
     raise EventError(
         f"an event has the polarity byte {polarity.max()}; allowed is 0 (OFF) or 1 (ON); "
         "set p = raw > 0 when making the array"

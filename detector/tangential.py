@@ -41,6 +41,35 @@ def vertical_system(lp: tuple[float, float, float, float]) -> float:
     return lp[DOWN] - lp[UP]
 
 
+def signal_to_noise(
+    maps: npt.NDArray[np.float32], attended: npt.NDArray[np.bool_]
+) -> tuple[float, float]:
+    """How far HS and VS stand out from what cells that do not agree would give.
+
+    A cell's opponent response is d, rightward minus leftward (or downward minus upward); HS is
+    the sum of d over the region. Were the signs of d independent, as noise has them, the standard
+    deviation of that sum would be √Σd²: the ratio is the response in units of it. It needs no
+    scale, so one floor serves by day and by night and in any noise: few cells cannot reach it,
+    however active they are, nor can many that disagree.
+
+    Args:
+        maps: T4 + T5, (4, rows, columns) float32, planes right, left, up, down.
+        attended: 𝒜, True inside the region of interest, (rows, columns).
+
+    Returns:
+        The ratio of HS and of VS, each ≥ 0 and at most the square root of the number of cells;
+        0 in silence.
+    """
+    cells = np.flatnonzero(attended)
+    right, left, up, down = maps.reshape(4, -1)[:, cells].astype(np.float64)
+    return _ratio(right - left), _ratio(down - up)
+
+
+def _ratio(opponent: npt.NDArray[np.float64]) -> float:
+    power = float(opponent @ opponent)
+    return abs(float(opponent.sum())) / math.sqrt(power) if power > 0.0 else 0.0
+
+
 def normalise(response: float, *, cells: int, scale: float) -> float:
     """Bring a response into (−1, 1) by a sigmoid (paper, end of section II-D).
 
@@ -52,22 +81,40 @@ def normalise(response: float, *, cells: int, scale: float) -> float:
     Returns:
         2 / (1 + e^(−response / (cells · scale))) − 1, kept inside the open interval.
     """
-    value = math.tanh(response / (2.0 * cells * scale))
+    return _inside(math.tanh(response / (2.0 * cells * scale)))
+
+
+def share_of_total(response: float, total: float) -> float:
+    """Bring a response into (−1, 1) by dividing by the sum of both directions.
+
+    Args:
+        response: HS or VS, the difference of two directions.
+        total: the sum of the two.
+    """
+    return _inside(response / total) if total > 0.0 else 0.0
+
+
+def _inside(value: float) -> float:
     return max(-_BELOW_ONE, min(_BELOW_ONE, value))
 
 
-def winner_take_all(hs: float, vs: float, *, floor: float) -> Direction:
-    """Direction of the stronger system, or none where both stay below the floor.
+def winner_take_all(
+    hs: float, vs: float, *, snr: tuple[float, float], snr_floor: float
+) -> Direction:
+    """Direction of the stronger system, or none where it does not stand out.
 
     A tie goes to the horizontal system.
 
     Args:
         hs: normalised horizontal response.
         vs: normalised vertical response.
-        floor: least strength that counts as motion, in (0, 1).
+        snr: signal-to-noise ratio of either; see `signal_to_noise`.
+        snr_floor: least ratio that counts as motion.
     """
-    if max(abs(hs), abs(vs)) < floor:
+    is_horizontal = abs(hs) >= abs(vs)
+    response, ratio = (hs, snr[0]) if is_horizontal else (vs, snr[1])
+    if response == 0.0 or ratio < snr_floor:
         return Direction.NONE
-    if abs(hs) >= abs(vs):
-        return Direction.RIGHT if hs > 0 else Direction.LEFT
-    return Direction.DOWN if vs > 0 else Direction.UP
+    if is_horizontal:
+        return Direction.RIGHT if response > 0 else Direction.LEFT
+    return Direction.DOWN if response > 0 else Direction.UP

@@ -1,11 +1,12 @@
 """Averaged time surfaces: the events of a moving window, as one value per cell and polarity.
 
 The sum of equation 2 is kept for every pixel and polarity as a running total W of weights
-e^(t_j / τ) in a common unit, so that an event's surface is W · e^(−t_i / τ): one addition when an
-event comes and one subtraction when it leaves the window, however many lie in between. Two facts
-keep the running total true. An event that leaves is the oldest and so weighs least, hence the
-subtraction cancels no digits that matter; and a pixel left by its last event is set to zero. The
-operations on a pixel follow from the event times alone, so the cuts between chunks change no bit.
+e^((t_j − unit) / τ), so that an event's surface is W over the weight of an event now: one addition
+when an event comes and one subtraction when it leaves the window, however many lie in between. An
+event that leaves is the oldest and weighs least, hence the subtraction cancels no digits that
+matter; and what is left of a pixel's total is either some event that weighs no less, or nothing but
+rounding, which is set to zero. The operations on a pixel follow from the event times alone, so the
+cuts between chunks change no bit.
 """
 
 from __future__ import annotations
@@ -16,45 +17,35 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from detector.errors import StateError
 from detector.fly_config import FlyConfig
-from detector.histogram import averaged_histogram, window_sums
-from emulator.events import Events
+from detector.histogram import averaged_ring
+from detector.readings import TimeSurface
 
 F32 = npt.NDArray[np.float32]
 
-_PIXEL_DTYPE = np.dtype([("weight", "<f8"), ("live", "<i8")])
-"""weight: W; live: how many events make it up."""
+_NOW, _UNIT, _OLDEST, _PENDING, _NEWEST = range(5)
+"""Where the stream stands: time reached and start of the unit [µs], and bounds in the memory of
+the events that count already and of those of this very microsecond, which must not see one
+another."""
 
-_MEMORY_DTYPE = np.dtype([("t", "<i8"), ("weight", "<f8"), ("pixel", "<i8")])
-"""An event of the last Δt: its time [µs], its weight e^(t / τ), and whose total it joins."""
-
-_CLOCK_DTYPE = np.dtype(
-    [
-        ("now_us", "<i8"),
-        ("unit_us", "<i8"),
-        ("growth", "<f8"),
-        ("oldest", "<i8"),
-        ("pending", "<i8"),
-        ("newest", "<i8"),
-    ]
-)
-"""Where the stream stands. growth: e^((now − unit) / τ), the weight of an event now; oldest,
-pending, newest: bounds in the memory of the events that count already, and of those of this very
-microsecond, which must not see one another."""
-
-_UNIT_SPAN = 300.0
+_UNIT_SPAN_TAUS = 300
 """How many τ the unit of the weights may age before it is renewed: e^300 is far from overflow."""
 
-_BLOCK = 1 << 16
-"""Events a kernel call takes at most; bounds the memory whatever the chunk."""
+_TABLE_BITS = 12
+_UNIT_SPAN_US = 1 << 2 * _TABLE_BITS
+"""The same in µs: weights come from two tables, one of the high and one of the low bits."""
+
+_FIRST_ROOM = 1 << 12
+"""Events that the memory holds at first; it doubles when a window has more."""
 
 
 class TimeSurfaces:
     """Accumulates events hop by hop and averages them over windows (equations 2 to 8).
 
-    A hop is the step between estimates. For each hop of a window and of the delay before it, every
-    cell and polarity keeps the sum of its events' surfaces and their number; a window is the sum of
-    its hops.
+    A hop is the step between estimates. For each hop of a window, every cell and polarity keeps
+    the sum of its events' surfaces and their number; a window is the sum of its hops. Averaged
+    surfaces are kept for as long as the longest delay.
     """
 
     def __init__(self, config: FlyConfig, *, width: int, height: int) -> None:
@@ -68,169 +59,266 @@ class TimeSurfaces:
         self._config = config
         side = config.cell_px
         self.rows, self.columns = -(-height // side), -(-width // side)
-        self._row_of_y, self._column_of_x = np.arange(height) // side, np.arange(width) // side
-        self._pixels = np.zeros((2, height, width), _PIXEL_DTYPE)
-        self._memory = np.zeros(2 * _BLOCK, _MEMORY_DTYPE)
-        self._clock = np.zeros(1, _CLOCK_DTYPE)
-        self._clock["growth"] = 1.0
-        hops_kept = config.window_hops + config.delay_hops
-        self._sums = np.zeros((hops_kept, 2, self.rows, self.columns))
-        self._counts = np.zeros((hops_kept, 2, self.rows, self.columns), np.int64)
-        self._hop_events = [0] * hops_kept
+        span_us = min(_UNIT_SPAN_TAUS * config.tau_us, _UNIT_SPAN_US)
+        self._constants = (
+            config.window_us,
+            span_us,
+            config.neighbourhood_px,
+            config.time_surface is TimeSurface.ITSELF,
+            *_weight_tables(span_us, config.tau_us),
+            np.arange(height, dtype=np.int32) // side * self.columns,
+            np.arange(width, dtype=np.int32) // side,
+        )
+        self._totals = np.zeros(2 * height * width)
+        self._times = np.zeros(_FIRST_ROOM, np.int64)
+        self._pixels = np.zeros(_FIRST_ROOM, np.int32)
+        self._clock = np.zeros(5, np.int64)
+        self._clock[_UNIT] = -config.window_us
+        grid = 2, self.rows, self.columns
+        self._tallies = np.zeros((config.window_hops, *grid, 2))
+        self._hop_events = [0] * config.window_hops
+        self._slot = 0
+        self._surfaces = np.zeros((max(config.delays_hops) + 1, *grid), np.float32)
+        self._has_surface = np.zeros(max(config.delays_hops) + 1, np.bool_)
 
     @property
     def is_quiet(self) -> bool:
-        """Whether no event fell into any of the hops kept."""
-        return not any(self._hop_events)
+        """Whether every surface kept is empty."""
+        return not self._has_surface.any()
+
+    @property
+    def last_event_us(self) -> int:
+        """Time of the last event [µs]; 0 before the first."""
+        return int(self._clock[_NOW])
 
     @property
     def memory_bytes(self) -> int:
         """Size of the memory of the last Δt's events: follows their number, not the stream's."""
-        return self._memory.nbytes
+        return self._times.nbytes + self._pixels.nbytes
+
+    def state(self) -> dict[str, npt.NDArray[Any]]:
+        """Everything that changes, as arrays by name; copies."""
+        state = {name: getattr(self, f"_{name}").copy() for name in _ARRAYS}
+        return state | {"hop_events": np.array(self._hop_events), "slot": np.array(self._slot)}
+
+    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Go on from what `state` of the same configuration and sensor gave.
+
+        Raises:
+            StateError: the memory of events contradicts itself.
+        """
+        times, pixels, clock = state["times"], state["pixels"], state["clock"]
+        kept = clock[_NEWEST] - clock[_OLDEST]
+        is_ring = times.size == pixels.size > 0 and times.size & (times.size - 1) == 0
+        is_ordered = 0 <= clock[_OLDEST] <= clock[_PENDING] <= clock[_NEWEST]
+        is_inside = pixels.min() >= 0 and pixels.max() < self._totals.size if is_ring else False
+        if not (is_inside and is_ordered and kept <= times.size):
+            raise StateError(
+                f"the state keeps {kept} events in a memory of {times.size}, and its bounds "
+                f"{clock[2:].tolist()} do not fit; pass what FlyDetector.state() gave, whole"
+            )
+        for name in _ARRAYS:
+            setattr(self, f"_{name}", np.ascontiguousarray(state[name]).copy())
+        self._hop_events = state["hop_events"].tolist()
+        self._slot = int(state["slot"]) % len(self._hop_events)
 
     def begin_hop(self, hop: int) -> None:
-        """Forget the oldest hop kept and start hop number `hop` in its place."""
-        slot = hop % len(self._hop_events)
-        if self._hop_events[slot]:
-            self._sums[slot] = 0.0
-            self._counts[slot] = 0
-            self._hop_events[slot] = 0
+        """Forget the oldest hop of the window and start hop number `hop` in its place."""
+        self._slot = hop % len(self._hop_events)
+        if self._hop_events[self._slot]:
+            self._tallies[self._slot] = 0.0
+            self._hop_events[self._slot] = 0
 
-    def accumulate(self, events: Events, *, hop: int, until_us: int) -> int:
+    def accumulate(self, raw: npt.NDArray[Any], start: int, *, until_us: int) -> int:
         """Add the events before `until_us` to the hop that was begun last.
 
         Args:
-            events: checked and sorted, none older than one added before.
-            hop: number of the hop that the events belong to.
+            raw: checked and sorted events of `RAW_DTYPE`, none older than one added before.
+            start: index of the first to take.
             until_us: end of the hop, exclusive [µs].
 
         Returns:
-            How many events were taken from the front.
+            Index of the first that was not taken: it belongs to a later hop.
         """
-        slot = hop % len(self._hop_events)
-        taken = 0
-        while taken < events.size:
-            block = events[taken : taken + _BLOCK]
-            self._make_room(block.size)
-            used = _histogram(
-                block,
-                until_us,
-                float(self._config.tau_us),
-                self._config.window_us,
-                self._config.neighbourhood_px,
-                self._row_of_y,
-                self._column_of_x,
-                self._pixels,
-                self._memory,
-                self._clock,
-                self._sums[slot],
-                self._counts[slot],
-            )
-            taken += used
-            if used < block.size:
-                break
-        self._hop_events[slot] += taken
+        taken = self._take(raw, start, until_us)
+        while taken < 0:
+            self._make_room()
+            taken = self._take(raw, -1 - taken, until_us)
+        self._hop_events[self._slot] += taken - start
+        return taken
+
+    def _take(self, raw: npt.NDArray[Any], start: int, until_us: int) -> int:
+        taken: int = _histogram(
+            raw,
+            start,
+            until_us,
+            *self._constants,
+            self._totals,
+            self._times,
+            self._pixels,
+            self._clock,
+            self._tallies[self._slot],
+        )
         return taken
 
     def average(self, *, hop: int) -> F32:
         """Assemble the averaged histograms of the window that ends with a hop (equation 8).
 
         Args:
-            hop: number of the window's last hop; this one, or any whose window is still kept.
+            hop: number of the hop that was begun last.
 
         Returns:
-            (2, rows, columns) float32, dimensionless: OFF surface, ON surface.
+            (2, rows, columns) float32, dimensionless: OFF surface, ON surface. The same as
+            `averaged` gives for this hop until the longest delay is over.
         """
-        hops = np.arange(hop - self._config.window_hops + 1, hop + 1) % len(self._hop_events)
-        sums, counts = window_sums(self._sums, self._counts, hops)
-        return averaged_histogram(
-            sums, counts, averaging=self._config.averaging, cell_area=self._config.cell_px**2
-        )
+        slot = hop % len(self._surfaces)
+        self._has_surface[slot] = any(self._hop_events)
+        if self._has_surface[slot]:
+            self._surfaces[slot] = averaged_ring(
+                self._tallies,
+                (hop + 1) % len(self._tallies),
+                averaging=self._config.averaging,
+                cell_area=self._config.cell_px**2,
+            )
+        else:
+            self._surfaces[slot] = 0.0
+        return self.averaged(hop=hop)
 
-    def _make_room(self, incoming: int) -> None:
-        """Let the memory of the last Δt hold `incoming` events more."""
-        oldest, newest = int(self._clock["oldest"][0]), int(self._clock["newest"][0])
-        size = self._memory.size
-        if newest - oldest + incoming <= size:
-            return
-        larger = np.zeros(2 * size, _MEMORY_DTYPE)
-        numbers = np.arange(oldest, newest)
-        larger[numbers % larger.size] = self._memory[numbers % size]
-        self._memory = larger
+    def averaged(self, *, hop: int) -> F32:
+        """What `average` gave for this hop, at most the longest delay ago; a copy."""
+        surface: F32 = self._surfaces[hop % len(self._surfaces)].copy()
+        return surface
+
+    def delayed(self, *, hop: int) -> F32:
+        """The delayed signal Ĥ of equation 9: the mean surface over the delays before a hop.
+
+        Correlation is linear in it, so that several delays cost no more than one.
+        """
+        taps = (np.array(self._config.delays_hops) * -1 + hop) % len(self._surfaces)
+        surface: F32 = self._surfaces[taps].mean(axis=0)
+        return surface
+
+    def _make_room(self) -> None:
+        """Double the memory of the last Δt's events."""
+        size = self._times.size
+        numbers = np.arange(self._clock[_OLDEST], self._clock[_NEWEST])
+        for name in ("_times", "_pixels"):
+            old = getattr(self, name)
+            larger = np.zeros(2 * size, old.dtype)
+            larger[numbers % larger.size] = old[numbers % size]
+            setattr(self, name, larger)
+
+
+_ARRAYS = ("totals", "times", "pixels", "clock", "tallies", "surfaces", "has_surface")
+
+
+def _weight_tables(
+    span_us: int, tau_us: int
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """e^(t / τ) for t from 0 to the span, as the product of two tables of its bits."""
+    fine = np.exp(np.arange(1 << _TABLE_BITS) / tau_us)
+    coarse = np.exp(np.arange(0, span_us + 1, 1 << _TABLE_BITS) / tau_us)
+    return coarse, fine
 
 
 @njit(cache=True)
 def _histogram(
     events: Any,
+    start: int,
     until_us: int,
-    tau_us: float,
     window_us: int,
-    neighbourhood_px: int,
-    row_of_y: Any,
-    column_of_x: Any,
+    span_us: int,
+    radius: int,
+    counts_itself: bool,
+    coarse: Any,
+    fine: Any,
+    first_cell: Any,
+    column: Any,
+    totals: Any,
+    times: Any,
     pixels: Any,
-    memory: Any,
-    clocks: Any,
-    sums: Any,
-    counts: Any,
+    clock: Any,
+    tallies: Any,
 ) -> int:
-    """Histogram of each cell (paper, equation 4), of the events before `until_us`; their number."""
-    clock = clocks[0]
-    _, height, width = pixels.shape
-    totals = pixels.reshape(-1)
-    for n in range(events.size):
+    """Histogram of each cell (paper, equation 4), of the events before `until_us`.
+
+    Returns the index of the first event not taken; where the memory is full, −1 less that index.
+    """
+    width, height = column.size, first_cell.size
+    cells = tallies.shape[1] * tallies.shape[2]
+    flat = tallies.reshape(-1, 2)
+    wrap = times.size - 1
+    now, unit, oldest, pending, newest = clock
+    weight = _weight(now - unit, coarse, fine)
+    taken = events.size
+    for n in range(start, events.size):
         event = events[n]
-        t, x, y, q = event.t, event.x, event.y, int(event.p)
-        if t >= until_us:
-            return n
-        if t != clock.now_us:
-            _move_window(t, tau_us, window_us, totals, memory, clock)
-        pixel = (q * height + y) * width + x
-        row, column = row_of_y[y], column_of_x[x]
-        sums[q, row, column] += _time_surface(pixels[q], x, y, neighbourhood_px, clock.growth)
-        counts[q, row, column] += 1
-        entry = memory[clock.newest & (memory.size - 1)]
-        entry.t, entry.weight, entry.pixel = t, clock.growth, pixel
-        clock.newest += 1
-    return int(events.size)
+        if event.t >= until_us:
+            taken = n
+            break
+        if event.t != now:
+            now = event.t
+            for k in range(pending, newest):
+                totals[pixels[k & wrap]] += weight
+            pending = newest
+            while oldest < newest and times[oldest & wrap] < now - window_us:
+                gone = _weight(times[oldest & wrap] - unit, coarse, fine)
+                totals[pixels[oldest & wrap]] = _rest(totals[pixels[oldest & wrap]], gone)
+                oldest += 1
+            if now - unit >= span_us:
+                unit = _renew_unit(now - window_us, unit, oldest < newest, coarse, fine, totals)
+            weight = _weight(now - unit, coarse, fine)
+        if newest - oldest > wrap:
+            taken = -1 - n
+            break
+        q = np.int64(event.p)
+        pixel = (q * height + event.y) * width + event.x
+        cell = q * cells + first_cell[event.y] + column[event.x]
+        total = _time_surface(totals, pixel, event.x, event.y, radius, width, height)
+        flat[cell, 0] += total / weight + counts_itself
+        flat[cell, 1] += 1.0
+        times[newest & wrap], pixels[newest & wrap] = now, pixel
+        newest += 1
+    clock[:] = now, unit, oldest, pending, newest
+    return int(taken)
 
 
-@njit(cache=True)
-def _time_surface(plane: Any, x: int, y: int, radius: int, growth: float) -> float:
-    """Time surface of an event at a pixel (paper, equation 2), summed over z (equation 3)."""
+@njit(cache=True, forceinline=True)
+def _weight(age_us: int, coarse: Any, fine: Any) -> float:
+    """Weight e^(age / τ) of an event this long after the start of the unit."""
+    return float(coarse[age_us >> _TABLE_BITS] * fine[age_us & ((1 << _TABLE_BITS) - 1)])
+
+
+@njit(cache=True, forceinline=True)
+def _time_surface(
+    totals: Any, pixel: int, x: int, y: int, radius: int, width: int, height: int
+) -> float:
+    """Time surface of an event at a pixel (paper, equation 2), summed over z (equation 3).
+
+    In the unit of the weights, so that the weight of an event now has to be divided out.
+    """
     if radius == 0:
-        return float(plane[y, x].weight / growth)
+        return float(totals[pixel])
     total = 0.0
-    for row in range(max(y - radius, 0), min(y + radius + 1, plane.shape[0])):
-        for column in range(max(x - radius, 0), min(x + radius + 1, plane.shape[1])):
-            total += plane[row, column].weight
-    return total / growth
+    for dy in range(-min(radius, y), min(radius, height - 1 - y) + 1):
+        for dx in range(-min(radius, x), min(radius, width - 1 - x) + 1):
+            total += totals[pixel + dy * width + dx]
+    return total
+
+
+@njit(cache=True, forceinline=True)
+def _rest(total: float, gone: float) -> float:
+    """What the oldest event leaves of a total: others weigh no less, else it is rounding."""
+    rest = total - gone
+    return rest if rest > 0.5 * gone else 0.0
 
 
 @njit(cache=True)
-def _move_window(
-    t: int, tau_us: float, window_us: int, totals: Any, memory: Any, clock: Any
-) -> None:
-    """Let the totals hold exactly the events in [t − Δt, t) (paper, equations 2 and 3)."""
-    wrap = memory.size - 1
-    for k in range(clock.pending, clock.newest):
-        entry = memory[k & wrap]
-        total = totals[entry.pixel]
-        total.weight += entry.weight
-        total.live += 1
-    clock.pending = clock.newest
-    while clock.oldest < clock.newest and memory[clock.oldest & wrap].t < t - window_us:
-        entry = memory[clock.oldest & wrap]
-        total = totals[entry.pixel]
-        total.live -= 1
-        total.weight = total.weight - entry.weight if total.live else 0.0
-        clock.oldest += 1
-    if t - clock.unit_us > _UNIT_SPAN * tau_us:
-        factor = np.exp((clock.unit_us - t) / tau_us)
-        for k in range(totals.size):
-            totals[k].weight *= factor
-        for k in range(clock.oldest, clock.newest):
-            memory[k & wrap].weight *= factor
-        clock.unit_us = t
-    clock.now_us = t
-    clock.growth = np.exp((t - clock.unit_us) / tau_us)
+def _renew_unit(
+    fresh: int, unit: int, is_anything_live: bool, coarse: Any, fine: Any, totals: Any
+) -> int:
+    """Let the weights' unit start afresh; what counts is no older, so that no age is below 0."""
+    factor = 1.0 / _weight(fresh - unit, coarse, fine) if is_anything_live else 0.0
+    for k in range(totals.size):
+        totals[k] *= factor
+    return fresh

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from detector.fly import FlyDetector
+from detector.fly import FlyConfig, FlyDetector
+from detector.stream import check_chunk
+from detector.time_surface import TimeSurfaces
 from emulator.events import EVENT_DTYPE, Events
 
 EVENTS = 2_000_000
@@ -25,8 +27,8 @@ def moving_clusters() -> Events:
     return events
 
 
-@pytest.mark.benchmark(group="2 M events through the fly, by chunk [CPU]", timer=process_time)
-@pytest.mark.parametrize("chunk", [100, 10_000, 1_000_000])
+@pytest.mark.benchmark(group="2 M events and 100 estimates, by chunk [CPU]", timer=process_time)
+@pytest.mark.parametrize("chunk", [100, 1_000, 10_000, 100_000, 1_000_000])
 def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
     """Events a second through `push`, with the estimate of every hop."""
     events = moving_clusters()
@@ -40,14 +42,40 @@ def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
     benchmark(run)
 
 
+@pytest.mark.benchmark(group="2 M events accumulated, by chunk [CPU]", timer=process_time)
+@pytest.mark.parametrize("chunk", [100, 1_000, 10_000, 100_000, 1_000_000])
+def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
+    """Events a second through checks and time surfaces, without the estimates."""
+    events, config = moving_clusters(), FlyConfig()
+    chunks = [events[start : start + chunk] for start in range(0, EVENTS, chunk)]
+
+    def run() -> None:
+        surfaces = TimeSurfaces(config, width=346, height=260)
+        hop = 0
+        for part in chunks:
+            now_us = surfaces.last_event_us
+            raw, taken = check_chunk(part, width=346, height=260, now_us=now_us), 0
+            while True:
+                until_us = (hop + 1) * config.hop_us
+                taken = surfaces.accumulate(raw, taken, until_us=until_us)
+                if taken == raw.size:
+                    break
+                hop += 1
+                surfaces.begin_hop(hop)
+
+    run()
+    benchmark(run)
+
+
 @pytest.mark.benchmark(group="one estimate, dense stages [CPU]", timer=process_time)
-def test_estimate(benchmark: BenchmarkFixture) -> None:
+@pytest.mark.parametrize("preset", ["paper", "wide"])
+def test_estimate(benchmark: BenchmarkFixture, preset: str) -> None:
     """Dense stages of one estimate: averages, T4/T5, attention, tangential cells."""
     events = moving_clusters()
     first = events[events["t"] < 200_000]
 
     def half_way() -> tuple[tuple[FlyDetector], dict[str, int]]:
-        fly = FlyDetector()
+        fly = FlyDetector(FlyConfig.preset(preset))
         fly.push(first)
         return (fly,), {"t_us": 200_000}
 

@@ -11,6 +11,7 @@ from detector.attention import (
     delayed_steering,
     local_motion,
     most_salient,
+    motion_at_centre,
     position_error,
     position_response,
     prominence,
@@ -87,6 +88,13 @@ def test_local_motion_reaches_as_far_to_the_left_as_to_the_right() -> None:
     maps[RIGHT, 40, 48], maps[LEFT, 40, 53] = 1.0, 1.0
     assert local_motion(maps, (50.5, 40.0), reach=2.5) == (0.0, 0.0)
     assert local_motion(maps, (50.0, 40.0), reach=2.5) == (1.0, 0.0)
+
+
+def test_motion_at_the_centre_is_equation_13_as_printed() -> None:
+    maps = STILL.copy()
+    maps[:, 41, 51] = 7.0, 3.0, 1.0, 6.0
+    assert motion_at_centre(maps, (50.6, 41.4)) == (4.0, 5.0)
+    assert motion_at_centre(maps, (-0.4, 90.0)) == (0.0, 0.0)
 
 
 def test_steering_adds_both_with_their_gains() -> None:

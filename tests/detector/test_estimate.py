@@ -1,7 +1,10 @@
+import numpy as np
+import numpy.typing as npt
 import pytest
 
-from detector.estimate import Detector, Direction
+from detector.estimate import Detector, Direction, FrameDetector, MotionEstimate
 from detector.fly import FlyDetector
+from emulator.events import Events
 
 
 @pytest.mark.parametrize(
@@ -18,3 +21,23 @@ def test_none_has_no_angle() -> None:
 def test_the_fly_is_a_detector() -> None:
     detector: Detector = FlyDetector()
     assert detector.advance(20_000)[0].direction is Direction.NONE
+    assert not isinstance(detector, FrameDetector)
+
+
+class Watcher:
+    """Answers every frame with rightward motion, and looks at no events."""
+
+    def push(self, _: Events) -> list[MotionEstimate]:
+        return []
+
+    def advance(self, _: int) -> list[MotionEstimate]:
+        return []
+
+    def push_frame(self, t_us: int, _: npt.NDArray[np.uint16]) -> list[MotionEstimate]:
+        return [MotionEstimate(t_us, 0.5, 0.0, Direction.RIGHT, 0.5, (1.0, 0.0), (0.0, 0.0), None)]
+
+
+def test_a_detector_of_frames_is_told_by_its_method() -> None:
+    watcher = Watcher()
+    assert isinstance(watcher, FrameDetector)
+    assert watcher.push_frame(5, np.zeros((260, 346), np.uint16))[0].t_us == 5

@@ -1,4 +1,7 @@
+import math
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +11,17 @@ from hypothesis import strategies as st
 from detector.errors import DetectorConfigError
 from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyConfig, FlyDetector
-from detector.metrics import accuracy, onset_latency_us, verdict
+from detector.metrics import accuracy, intersection_over_union, onset_latency_us, verdict
+from detector.readings import (
+    Attention,
+    Averaging,
+    LocalMotion,
+    Normalisation,
+    NotedAt,
+    Offsets,
+    RegionActivity,
+    TimeSurface,
+)
 from emulator.errors import EventError
 from emulator.events import EVENT_DTYPE, Events, empty_events
 from tests.detector.stimuli import (
@@ -82,35 +95,107 @@ def test_a_shape_without_texture_still_tells_its_direction(direction: Direction)
     assert latency_us <= 100_000
 
 
-@pytest.mark.parametrize("rate_hz", [0.1, 1.0, 5.0, 10.0, 20.0])
-def test_noise_alone_is_none(rate_hz: float) -> None:
-    background = merged(
-        noise(rate_hz, duration_us=1_000_000), hot_pixels(20, 50, duration_us=10**6)
-    )
-    found = estimates_of(background, 1_000_000)
-    assert len(found) == 100
-    assert sum(e.direction is Direction.NONE for e in found) >= 99
-
-
-def test_the_view_centre_follows_a_small_target_among_noise_and_lets_go() -> None:
-    target = textured_box(24, 24)
+def small_target(*, noise_hz: float, start_px: float = 40.0) -> Events:
+    """24×24 px at 500 px/s and row 50, for 0.4 s; then only noise, for as long again."""
     moving = slide(
-        target,
+        textured_box(24, 24),
         speed_px_s=500,
-        start_px=40,
+        start_px=start_px,
         top_px=50,
         duration_us=400_000,
         background=asphalt(260, 346),
     )
+    return merged(moving, noise(noise_hz, duration_us=800_000))
+
+
+def distance_px(e: MotionEstimate) -> float:
+    """From the view centre to the middle of the small target."""
+    return math.dist(e.view_centre_px, (40 + 12 + 500e-6 * e.t_us, 62))
+
+
+@pytest.mark.parametrize("noise_hz", [0.0, 1.0, 5.0])
+def test_the_view_centre_converges_to_a_small_target_and_follows_it(noise_hz: float) -> None:
     fly = FlyDetector()
-    found = fly.push(merged(moving, noise(5.0, duration_us=800_000)))
-    for e in found[20:40]:
-        middle_px = 40 + 12 + 500e-6 * e.t_us
-        assert abs(e.view_centre_px[0] - middle_px) < 50
-        assert abs(e.view_centre_px[1] - 62) < 25
+    events = small_target(noise_hz=noise_hz)
+    events["t"] += 50_000
+    at_rest, *found = fly.push(events)[4:]
+    assert at_rest.view_centre_px == (173.0, 130.0)
+    found = [replace(e, t_us=e.t_us - 50_000) for e in found]
+    settled = found[15:40]
+    # The saliency is of the last 50 ms, through which the target has moved 25 px.
+    assert max(map(distance_px, settled)) < 40.0
+    for e in settled:
         assert e.direction is Direction.RIGHT
-    assert found[-1].view_centre_px == (173.0, 130.0)
-    assert found[-1].roi_px is None
+    travelled = settled[-1].view_centre_px[0] - settled[0].view_centre_px[0]
+    assert travelled == pytest.approx(500 * 0.24, abs=25)
+
+
+def test_the_region_holds_the_small_target() -> None:
+    for e in FlyDetector().push(small_target(noise_hz=1.0))[20:40]:
+        right_px = 40 + 24 + 500e-6 * e.t_us
+        truth = int(right_px) - 24, 50, int(right_px), 74
+        assert e.roi_px is not None
+        assert e.roi_px[0] <= truth[0]
+        assert e.roi_px[2] >= truth[2] - 5
+        assert intersection_over_union(e.roi_px, truth) > 0.1
+
+
+@pytest.mark.parametrize("far", [(300, 220), (20, 20), (330, 62)])
+def test_isolated_noise_does_not_capture_the_view_centre(far: tuple[int, int]) -> None:
+    # Four hot pixels close together, each firing more often than any pixel of the target.
+    rows, columns = np.mgrid[far[1] : far[1] + 2, far[0] : far[0] + 2]
+    burst = np.zeros((4, 80), EVENT_DTYPE)
+    burst["t"] = np.arange(80) * 5_000
+    burst["x"], burst["y"], burst["p"] = columns.reshape(4, 1), rows.reshape(4, 1), True
+    isolated = np.sort(burst.ravel(), order="t", kind="stable")
+    found = FlyDetector().push(merged(small_target(noise_hz=1.0), isolated))
+    assert max(map(distance_px, found[15:40])) < 40.0
+
+
+@pytest.mark.parametrize("noise_hz", [0.0, 1.0, 5.0])
+def test_attention_lets_go_when_the_target_has_left(noise_hz: float) -> None:
+    fly = FlyDetector()
+    events = small_target(noise_hz=noise_hz)
+    found = fly.push(events) + fly.advance(800_000)
+    for e in found[50:]:
+        assert e.view_centre_px == (173.0, 130.0)
+        assert e.roi_px is None
+        assert e.direction is Direction.NONE
+
+
+@pytest.mark.parametrize("attention", [Attention.MAXIMUM, Attention.EVERYWHERE])
+def test_other_readings_of_attention(attention: Attention) -> None:
+    found = FlyDetector(FlyConfig(attention=attention)).push(small_target(noise_hz=0.0))
+    for e in found[15:40]:
+        assert e.direction is Direction.RIGHT
+        if attention is Attention.EVERYWHERE:
+            assert e.view_centre_px == (173.0, 130.0)
+            assert e.roi_px == (0, 0, 346, 260)
+        else:
+            assert distance_px(e) < 40.0
+
+
+@pytest.mark.parametrize(
+    "reading",
+    [
+        {"time_surface": TimeSurface.ITSELF},
+        {"averaging": Averaging.BOTH},
+        {"averaging": Averaging.AREA},
+        {"averaging": Averaging.NONE},
+        {"offsets": Offsets.DOUBLING},
+        {"noted_at": NotedAt.DELAYED},
+        {"local_motion": LocalMotion.CELL},
+        {"roi_activity": RegionActivity.PRESENT},
+        {"normalisation": Normalisation.TOTAL},
+    ],
+)
+def test_every_reading_can_be_selected_and_changes_something(reading: dict[str, Any]) -> None:
+    events, view_us = crossing(car(), speed_px_s=518, direction=Direction.RIGHT)
+    usual, other = FlyDetector(), FlyDetector(FlyConfig(**reading))
+    found = [fly.push(events) + fly.advance(view_us) for fly in (usual, other)]
+    assert found[0] != found[1]
+    assert all(-1.0 < e.hs < 1.0 and -1.0 < e.vs < 1.0 for e in found[1])
+    assert verdict(found[1], crossing_us=(0, view_us)) is Direction.RIGHT
 
 
 def test_the_region_lies_on_the_car() -> None:
@@ -128,14 +213,17 @@ def test_the_region_lies_on_the_car() -> None:
 cuts = st.lists(st.integers(0, 10**6), max_size=12)
 
 
+@pytest.mark.parametrize("preset", ["paper", "wide"])
 @settings(max_examples=25, deadline=None)
 @given(cuts=cuts, tell_time=st.booleans())
-def test_the_cuts_between_chunks_change_no_bit(cuts: list[int], tell_time: bool) -> None:
-    events = busy_stream()
+def test_the_cuts_between_chunks_change_no_bit(
+    preset: str, cuts: list[int], tell_time: bool
+) -> None:
+    events, config = busy_stream(), FlyConfig.preset(preset)
     end_us = int(events["t"][-1]) + 200_000
-    whole = FlyDetector()
+    whole = FlyDetector(config)
     expected = whole.push(events) + whole.advance(end_us)
-    fly, found, start = FlyDetector(), list[MotionEstimate](), 0
+    fly, found, start = FlyDetector(config), list[MotionEstimate](), 0
     for cut in [*sorted(c % events.size for c in cuts), events.size]:
         found += fly.push(events[start:cut])
         if tell_time and cut < events.size:

@@ -6,7 +6,7 @@ import pytest
 
 from detector.errors import DetectorConfigError, DetectorError
 from detector.fly_config import FlyConfig
-from detector.histogram import Averaging
+from detector.readings import Averaging, Offsets
 
 
 def test_defaults_are_table_one() -> None:
@@ -24,7 +24,12 @@ def test_defaults_are_table_one() -> None:
         ("cell_px", -3),
         ("alpha", 1.0),
         ("alpha", float("nan")),
-        ("floor", 0.0),
+        ("snr_floor", -1.0),
+        ("further_delays_us", 100_000),
+        ("further_delays_us", (0,)),
+        ("further_delays_us", (100_000.5,)),
+        ("further_delays_us", (50_000,) * 17),
+        ("offsets", "odd"),
         ("roi_share", 0.0),
         ("g_m", float("inf")),
         ("tau_us", "x"),
@@ -46,7 +51,7 @@ def test_a_value_that_is_not_allowed_is_refused_by_name(name: str, value: object
 
 
 def test_the_refusal_names_the_choices() -> None:
-    sentence = "averaging is 'mean'; allowed is one of 'events', 'area', 'none'; .*'events'"
+    sentence = "averaging is 'mean'; allowed is one of 'events', 'both', 'area', 'none'; .*'events'"
     with pytest.raises(DetectorConfigError, match=sentence):
         FlyConfig(averaging="mean")  # type: ignore[arg-type]
 
@@ -80,3 +85,30 @@ def test_a_window_that_is_no_multiple_of_the_hop_is_refused(name: str) -> None:
 def test_a_quiet_limit_shorter_than_memory_is_refused() -> None:
     with pytest.raises(DetectorConfigError, match="quiet_limit_us is 99999 µs"):
         FlyConfig(quiet_limit_us=99_999)
+
+
+def test_distances_follow_one_another_as_asked() -> None:
+    assert FlyConfig().offsets_cells == (4, 8, 12, 16)
+    doubling = FlyConfig(spacing_cells=1, spacings=5, offsets=Offsets.DOUBLING)
+    assert doubling.offsets_cells == (1, 2, 4, 8, 16)
+
+
+def test_a_preset_is_found_by_name() -> None:
+    assert FlyConfig.preset("paper") == FlyConfig()
+    wide = FlyConfig.preset("wide")
+    assert wide.delays_hops == (3, 10, 20)
+    assert FlyConfig(**json.loads(json.dumps(asdict(wide)))) == wide
+    with pytest.raises(DetectorConfigError, match="preset is 'fast'; allowed is one of 'paper', "):
+        FlyConfig.preset("fast")
+
+
+def test_a_further_delay_is_held_to_the_hop_and_to_the_quiet_limit() -> None:
+    with pytest.raises(DetectorConfigError, match="further_delays_us is 45000 µs, no multiple"):
+        FlyConfig(further_delays_us=(100_000, 45_000))
+    with pytest.raises(DetectorConfigError, match="longest delay = 250000 µs or more"):
+        FlyConfig(further_delays_us=(200_000,), quiet_limit_us=249_999)
+
+
+def test_a_window_far_longer_than_its_decay_is_refused() -> None:
+    with pytest.raises(DetectorConfigError, match="window_us is 50000 µs; allowed is 100 tau_us"):
+        FlyConfig(tau_us=499)

@@ -1,26 +1,41 @@
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from detector.histogram import Averaging, averaged_histogram, window_sums
+from detector.histogram import averaged_histogram, averaged_ring
+from detector.readings import Averaging
+
+
+def tallies(total: float, number: int) -> npt.NDArray[np.float64]:
+    return np.full((1, 2, 1, 1, 2), [total, number], np.float64)
 
 
 @pytest.mark.parametrize(
     ("averaging", "expected"),
-    [(Averaging.EVENTS, 2.0), (Averaging.AREA, 6.0 / 9.0), (Averaging.NONE, 6.0)],
+    [
+        (Averaging.EVENTS, 2.0),
+        (Averaging.BOTH, 1.0),
+        (Averaging.AREA, 6.0 / 9.0),
+        (Averaging.NONE, 6.0),
+    ],
 )
 def test_divides_by_what_it_says(averaging: Averaging, expected: float) -> None:
-    sums, counts = np.full((2, 1, 1), 6.0), np.full((2, 1, 1), 3, np.int64)
-    mean = averaged_histogram(sums, counts, averaging=averaging, cell_area=9)
+    mean = averaged_histogram(tallies(6.0, 3), averaging=averaging, cell_area=9)
     assert mean.dtype == np.float32
     np.testing.assert_allclose(mean, expected, rtol=1e-6)
 
 
 def test_an_empty_cell_is_zero() -> None:
-    nothing = np.zeros((2, 1, 1)), np.zeros((2, 1, 1), np.int64)
-    assert averaged_histogram(*nothing, averaging=Averaging.EVENTS, cell_area=9).max() == 0.0
+    for averaging in Averaging:
+        assert averaged_histogram(tallies(0, 0), averaging=averaging, cell_area=9).max() == 0.0
 
 
-def test_a_window_adds_only_its_hops() -> None:
-    sums = np.arange(4.0).reshape(4, 1, 1, 1)
-    total, number = window_sums(sums, np.ones((4, 1, 1, 1), np.int64), np.array([3, 1]))
-    assert (total.item(), number.item()) == (4.0, 2)
+def test_a_window_adds_its_hops_from_the_oldest_on() -> None:
+    hops = np.random.default_rng(0).random((5, 2, 3, 4, 2))
+    hops[..., 1] = 1.0
+    total = averaged_histogram(hops, averaging=Averaging.NONE, cell_area=9)
+    np.testing.assert_allclose(total, hops[..., 0].sum(axis=0), rtol=1e-6)
+    for oldest in range(5):
+        ring = np.roll(hops, oldest, axis=0)
+        again = averaged_ring(ring, oldest, averaging=Averaging.NONE, cell_area=9)
+        np.testing.assert_array_equal(again, total)

@@ -3,7 +3,16 @@ import math
 import pytest
 
 from detector.estimate import Direction, MotionEstimate
-from detector.metrics import accuracy, grms, onset_latency_us, verdict, within
+from detector.metrics import (
+    Box,
+    accuracy,
+    centroid_error_px,
+    grms,
+    intersection_over_union,
+    onset_latency_us,
+    verdict,
+    within,
+)
 
 CROSSING = (10_000, 50_000)
 
@@ -75,3 +84,28 @@ def test_grms_is_the_rms_slope_of_both_systems() -> None:
 
 def test_grms_needs_two_steps() -> None:
     assert grms(STEPS[:2], crossing_us=CROSSING) is None
+
+
+@pytest.mark.parametrize(
+    ("other", "overlap"),
+    [
+        ((0, 0, 10, 10), 1.0),
+        ((5, 0, 15, 10), 50 / 150),
+        ((2, 2, 4, 12), 16 / 104),
+        ((10, 0, 20, 10), 0.0),
+        ((20, 20, 30, 30), 0.0),
+        (None, 0.0),
+    ],
+)
+def test_overlap_of_boxes(other: Box | None, overlap: float) -> None:
+    box = (0, 0, 10, 10)
+    assert intersection_over_union(box, other) == intersection_over_union(other, box)
+    assert intersection_over_union(box, other) == pytest.approx(overlap)
+
+
+def test_boxes_without_area_do_not_overlap() -> None:
+    assert intersection_over_union((3, 3, 3, 3), (3, 3, 3, 3)) == 0.0
+
+
+def test_the_centroid_error_is_a_distance() -> None:
+    assert centroid_error_px((10.0, 20.0), (13.0, 24.0)) == 5.0

@@ -1,15 +1,19 @@
 import math
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from detector.correlation import LEFT, RIGHT
 from detector.estimate import Direction
 from detector.tangential import (
     horizontal_system,
     lobula_plate,
     normalise,
+    share_of_total,
+    signal_to_noise,
     vertical_system,
     winner_take_all,
 )
@@ -40,18 +44,72 @@ def test_normalisation_is_the_sigmoid_of_the_response_per_cell() -> None:
     assert normalise(40.0, cells=100, scale=0.25) == pytest.approx(expected)
 
 
+@given(st.floats(-1e300, 1e300), st.floats(0, 1e300))
+def test_a_share_stays_inside_the_open_interval(response: float, total: float) -> None:
+    assert -1.0 < share_of_total(response, total) < 1.0
+
+
+def test_a_share_is_of_both_directions() -> None:
+    assert share_of_total(2.0, 8.0) == 0.25
+    assert share_of_total(0.0, 0.0) == 0.0
+
+
+def opponent_maps(right: list[float], left: list[float]) -> npt.NDArray[np.float32]:
+    maps = np.zeros((4, 1, len(right)), np.float32)
+    maps[RIGHT, 0], maps[LEFT, 0] = right, left
+    return maps
+
+
+def test_signal_to_noise_is_the_sum_over_the_root_of_the_power() -> None:
+    maps = opponent_maps([5.0, 1.0, 9.0], [1.0, 3.0, 0.0])
+    attended = np.array([[True, True, False]])
+    horizontal, vertical = signal_to_noise(maps, attended)
+    assert horizontal == pytest.approx(2 / math.sqrt(20))
+    assert vertical == 0.0
+
+
+def test_signal_to_noise_of_cells_that_agree_grows_with_the_root_of_their_number() -> None:
+    for number in (1, 16, 100):
+        maps = opponent_maps([7.0] * number, [2.0] * number)
+        ratio = signal_to_noise(maps, np.ones((1, number), np.bool_))[0]
+        assert ratio == pytest.approx(math.sqrt(number))
+
+
+def test_signal_to_noise_of_silence_and_of_no_region_is_zero() -> None:
+    maps = opponent_maps([7.0, 0.0], [2.0, 0.0])
+    assert signal_to_noise(maps, np.array([[False, True]])) == (0.0, 0.0)
+    assert signal_to_noise(maps, np.zeros((1, 2), np.bool_)) == (0.0, 0.0)
+
+
+def test_signal_to_noise_of_random_signs_is_that_of_a_normal_variable() -> None:
+    rng = np.random.default_rng(0)
+    signs = rng.choice([-1.0, 1.0], (2000, 300)) * rng.exponential(1.0, (2000, 300))
+    ratios = [
+        signal_to_noise(opponent_maps(list(row), [0.0] * 300), np.ones((1, 300), np.bool_))[0]
+        for row in signs
+    ]
+    assert np.mean(np.square(ratios)) == pytest.approx(1.0, abs=0.1)
+
+
 @pytest.mark.parametrize(
-    ("hs", "vs", "expected"),
+    ("hs", "vs", "snr", "expected"),
     [
-        (0.5, 0.4, Direction.RIGHT),
-        (-0.5, 0.4, Direction.LEFT),
-        (0.3, 0.4, Direction.DOWN),
-        (0.3, -0.4, Direction.UP),
-        (0.04, -0.04, Direction.NONE),
-        (0.2, 0.2, Direction.RIGHT),
+        (0.5, 0.4, (9.0, 9.0), Direction.RIGHT),
+        (-0.5, 0.4, (9.0, 9.0), Direction.LEFT),
+        (0.3, 0.4, (9.0, 9.0), Direction.DOWN),
+        (0.3, -0.4, (9.0, 9.0), Direction.UP),
+        (0.2, 0.2, (9.0, 9.0), Direction.RIGHT),
+        (1e-6, 0.0, (9.0, 0.0), Direction.RIGHT),
+        (0.5, 0.4, (2.9, 9.0), Direction.NONE),
+        (0.4, 0.5, (9.0, 2.9), Direction.NONE),
+        (0.0, 0.0, (0.0, 0.0), Direction.NONE),
     ],
 )
-def test_the_stronger_system_wins_above_the_floor(
-    hs: float, vs: float, expected: Direction
+def test_the_stronger_system_wins_if_it_stands_out(
+    hs: float, vs: float, snr: tuple[float, float], expected: Direction
 ) -> None:
-    assert winner_take_all(hs, vs, floor=0.05) is expected
+    assert winner_take_all(hs, vs, snr=snr, snr_floor=3.0) is expected
+
+
+def test_without_a_floor_silence_is_none_all_the_same() -> None:
+    assert winner_take_all(0.0, 0.0, snr=(0.0, 0.0), snr_floor=0.0) is Direction.NONE

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from detector.fly_config import FlyConfig
-from detector.histogram import Averaging
+from detector.readings import Averaging, TimeSurface
+from detector.stream import RAW_DTYPE
 from detector.time_surface import TimeSurfaces
 from emulator.events import EVENT_DTYPE, Events
 
@@ -37,6 +38,7 @@ def by_the_book(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.flo
         counts[int(p), y // c.cell_px, x // c.cell_px] += 1
     divisors: dict[Averaging, npt.NDArray[np.float64]] = {
         Averaging.EVENTS: np.maximum(counts, 1),
+        Averaging.BOTH: np.broadcast_to(np.maximum(counts.sum(axis=0), 1), counts.shape),
         Averaging.AREA: np.full_like(counts, c.cell_px**2),
         Averaging.NONE: np.ones_like(counts),
     }
@@ -49,7 +51,7 @@ def surfaces_at(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.flo
     for hop in range(end_us // c.hop_us):
         surfaces.begin_hop(hop)
         until_us = (hop + 1) * c.hop_us
-        taken += surfaces.accumulate(events[taken:], hop=hop, until_us=until_us)
+        taken = surfaces.accumulate(events.view(RAW_DTYPE), taken, until_us=until_us)
     return surfaces.average(hop=end_us // c.hop_us - 1)
 
 
@@ -90,6 +92,39 @@ def test_events_of_one_microsecond_do_not_see_each_other() -> None:
     assert surfaces_at(twins, FlyConfig(averaging=Averaging.NONE), 50_000).max() == 0.0
 
 
+def test_an_event_may_count_in_its_own_surface() -> None:
+    config = FlyConfig(time_surface=TimeSurface.ITSELF, averaging=Averaging.NONE)
+    alone = make([(115_000, 4, 4, True)])
+    assert surfaces_at(alone, config, 120_000)[1, 1, 1] == 1.0
+    pair = make([(100_000, 4, 4, True), (115_000, 4, 4, True)])
+    expected = 2.0 + math.exp(-15 / 30)
+    assert surfaces_at(pair, config, 120_000)[1, 1, 1] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("tau_us", [500, 30_000, 10_000_000])
+def test_renewing_the_unit_of_the_weights_changes_nothing(tau_us: int) -> None:
+    # Past 300 τ, or 17 s, the weights start afresh: once at least in 40 s.
+    config = FlyConfig(tau_us=tau_us, averaging=Averaging.NONE)
+    times = [0, 7_000, 16_777_000, 16_790_000, 39_960_000, 39_970_000, 39_990_000]
+    events = make([(t, 4, 4, True) for t in times])
+    lags = np.array([10_000, 30_000, 20_000])
+    expected = np.exp(-lags / tau_us).sum()
+    assert surfaces_at(events, config, 40_000_000)[1, 1, 1] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_delayed_signal_is_the_mean_over_the_delays() -> None:
+    config = FlyConfig(delay_us=20_000, further_delays_us=(50_000,))
+    surfaces = TimeSurfaces(config, width=WIDTH, height=HEIGHT)
+    events = make([(t, 4 + t // 20_000, 4, True) for t in range(0, 120_000, 3_000)])
+    taken, kept = 0, []
+    for hop in range(12):
+        surfaces.begin_hop(hop)
+        taken = surfaces.accumulate(events.view(RAW_DTYPE), taken, until_us=(hop + 1) * 10_000)
+        kept.append(surfaces.average(hop=hop))
+    np.testing.assert_array_equal(surfaces.averaged(hop=8), kept[8])
+    np.testing.assert_allclose(surfaces.delayed(hop=11), (kept[9] + kept[6]) / 2, rtol=1e-6)
+
+
 def test_the_window_includes_its_start() -> None:
     config = FlyConfig(averaging=Averaging.NONE)
     pair = make([(9_999, 4, 4, False), (59_999, 4, 4, False)])
@@ -116,7 +151,7 @@ def test_memory_follows_the_window_and_not_the_stream() -> None:
     sizes = []
     for hop in range(60):
         surfaces.begin_hop(hop)
-        part = events[hop * 10_000 : (hop + 1) * 10_000]
-        surfaces.accumulate(part, hop=hop, until_us=(hop + 1) * 10_000)
+        first, until_us = hop * 10_000, (hop + 1) * 10_000
+        surfaces.accumulate(events.view(RAW_DTYPE), first, until_us=until_us)
         sizes.append(surfaces.memory_bytes)
     assert sizes[-1] == sizes[10]

@@ -1,0 +1,59 @@
+"""Where nothing moves, the fly says none: noise of any rate, still scenes in any light."""
+
+import numpy as np
+import pytest
+
+from detector.estimate import Direction, MotionEstimate
+from detector.fly import FlyConfig, FlyDetector
+from emulator import Davis346, SensorConfig
+from emulator.events import Events
+from tests.detector.stimuli import asphalt, hot_pixels, merged, noise
+
+PRESETS = ["paper", "wide"]
+SECOND_US = 1_000_000
+
+
+def estimates_of(preset: str, events: Events, until_us: int = SECOND_US) -> list[MotionEstimate]:
+    fly = FlyDetector(FlyConfig.preset(preset))
+    return fly.push(events) + fly.advance(until_us)
+
+
+def share_of_none(found: list[MotionEstimate]) -> float:
+    return float(np.mean([e.direction is Direction.NONE for e in found]))
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("rate_hz", [0.1, 1.0, 3.0, 5.0, 10.0, 20.0])
+def test_noise_alone_is_none(preset: str, rate_hz: float) -> None:
+    background = merged(
+        noise(rate_hz, duration_us=SECOND_US, seed=7),
+        hot_pixels(20, 50, duration_us=SECOND_US, seed=8),
+    )
+    found = estimates_of(preset, background)
+    assert len(found) == 100
+    assert share_of_none(found) >= 0.99
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("lux", [0.1, 1.0, 10.0, 1_000.0, 100_000.0])
+def test_a_still_street_is_none_in_any_light(preset: str, lux: float) -> None:
+    reflectance = 0.2 * np.exp(asphalt(260, 346, seed=3))
+    luminance = (lux * reflectance / np.pi).astype(np.float32)
+    sensor = Davis346(SensorConfig(), seed=3)
+    steps = range(0, SECOND_US + 1, 10_000)
+    events = np.concatenate([sensor.step(t_us, luminance).events for t_us in steps])
+    assert events.size > 1_000
+    found = estimates_of(preset, events[events["t"] < SECOND_US])
+    assert share_of_none(found) >= 0.99
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_lone_flickering_spot_is_none(preset: str) -> None:
+    # 36 pixels that fire together at 100 Hz: strong, but it goes nowhere.
+    rows, columns = np.mgrid[100:106, 100:106]
+    spot = np.zeros((36, 100), noise(0.1, duration_us=1).dtype)
+    spot["t"] = np.arange(100) * 10_000
+    spot["x"], spot["y"], spot["p"] = columns.reshape(-1, 1), rows.reshape(-1, 1), True
+    events = np.sort(spot.ravel(), order="t", kind="stable")
+    found = estimates_of(preset, merged(events, noise(1.0, duration_us=SECOND_US)))
+    assert share_of_none(found) >= 0.99
