@@ -30,9 +30,10 @@ def compiled(function: Kernel) -> Kernel:
     """Compile a kernel once and cache it on disk.
 
     No `fastmath`: it would let two machines round differently and so break "same seed, same
-    events". NumPy's error model makes x/0 an infinity, which the kernels use as "never".
+    events". NumPy's error model makes x/0 an infinity, which the kernels use as "never". Kernels
+    release Python's lock, so that two threads can share a step.
     """
-    return cast(Kernel, numba.njit(cache=True, error_model="numpy")(function))
+    return cast(Kernel, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
 def inlined(function: Kernel) -> Kernel:

@@ -1,4 +1,9 @@
-"""The active pixel sensor: frames by global shutter, exposed over the very steps of the light."""
+"""The active pixel sensor: frames exposed over the very steps of the light.
+
+A pixel's exposure is the integral of its light, whose course is a straight line in each step. It
+is kept as the present light times the time exposed so far, plus a correction that only a change
+of light alters: a pixel whose light does not change costs nothing until the frame is read.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator.aps_config import ApsConfig
+from emulator.aps_exposure import Floats, Seconds, add_noise, collect, convert, correct, expose_rows
+from emulator.noise import draw_gaussians
+from emulator.scan import Masks
 
 _STREAM = 1
 
@@ -26,46 +33,21 @@ class ApsFrame:
     """One frame.
 
     Attributes:
-        start_us: start of the exposure [µs].
-        end_us: end of the exposure [µs].
+        start_us: start of the exposure, of the first row's if the shutter rolls [µs].
+        end_us: end of the exposure, of the last row's if the shutter rolls [µs].
         image: (height, width) uint16, 0 to 1023 [DN].
+        rolling_us: from the first row's exposure to the last row's, 0 with the global shutter [µs].
     """
 
     start_us: int
     end_us: int
     image: npt.NDArray[np.uint16]
+    rolling_us: int = 0
 
     @property
     def exposure_us(self) -> int:
-        """Duration of the exposure [µs]."""
-        return self.end_us - self.start_us
-
-
-@compiled
-def add_light(
-    total: Image, before: Image, after: Image, weight_before: float, weight_after: float
-) -> None:
-    """Add weight_before·before + weight_after·after to `total`, in place; all (pixels,)."""
-    share_before, share_after = np.float32(weight_before), np.float32(weight_after)
-    for i in range(total.size):
-        total[i] += share_before * before[i] + share_after * after[i]
-
-
-def trapezoid_weights(from_us: int, to_us: int, start_us: int, end_us: int) -> tuple[float, float]:
-    """Weights of the two ends in the integral of a straight line over part of a step.
-
-    Args:
-        from_us: start of the step, whose light is the first end [µs].
-        to_us: end of the step [µs].
-        start_us: start of the part, not before `from_us` [µs].
-        end_us: end of the part, not after `to_us` [µs].
-
-    Returns:
-        Weights of the light at `from_us` and at `to_us` [s]; their sum is the part's duration.
-    """
-    span_s = (end_us - start_us) * 1e-6
-    after = (0.5 * (start_us + end_us) - from_us) / (to_us - from_us)
-    return span_s * (1.0 - after), span_s * after
+        """Duration of the exposure of each row [µs]."""
+        return self.end_us - self.start_us - self.rolling_us
 
 
 class Aps:
@@ -79,7 +61,12 @@ class Aps:
         self._exposure_us = config.exposure_us
         self._frames = 0
         self._start_us = 0
-        self._light = np.empty(0, np.float32)
+        self._correction = np.empty(0, np.float32)
+        self._seconds, self._weights = np.empty(0), np.empty(0)
+        self._delays_us = np.empty(0, np.int64)
+        self._gains = np.empty(0, np.float32)
+        self._gaussians = np.empty(0, np.float32)
+        self._noise_seed = np.uint64(0)
 
     def begin(self, t_us: int, luminance: Image) -> None:
         """Start the first exposure, metered as by a camera that has watched the scene for long.
@@ -88,20 +75,31 @@ class Aps:
             t_us: time of the first sample [µs].
             luminance: (height, width) light at that time [cd/m²].
         """
+        rows, config = luminance.shape[0], self._config
+        rolling_us = config.readout_us if config.shutter == "rolling" else 0
+        self._delays_us = np.arange(rows) * rolling_us // rows
         self._start_us = t_us
-        self._light = np.zeros_like(luminance)
+        self._correction = np.zeros(luminance.size, np.float32)
+        self._seconds, self._weights = np.zeros(rows), np.zeros(rows)
+        rng = np.random.default_rng((self._seed, _STREAM))
+        self._noise_seed = rng.integers(2**64, dtype=np.uint64)
+        self._gaussians = np.empty(luminance.size if config.noise else 0, np.float32)
+        spread = config.fixed_pattern * rng.standard_normal(luminance.size, np.float32)
+        self._gains = np.maximum(1.0 + spread, 0.0, dtype=np.float32)
         for _ in range(_METERING_ROUNDS):
-            electrons = self._electrons(luminance * (self._exposure_us * 1e-6))
-            self._exposure_us = self._metered_exposure_us(self._convert(electrons))
+            seconds = np.full(rows, self._exposure_us * 1e-6)
+            levels = self._convert(self._electrons(luminance, seconds))
+            self._exposure_us = self._metered_exposure_us(levels)
 
     def expose(
-        self, before: Image, after: Image, *, from_us: int, to_us: int
+        self, before: Image, after: Image, changed: Masks, *, from_us: int, to_us: int
     ) -> tuple[ApsFrame, ...]:
         """Take in one step of light.
 
         Args:
             before: (height, width) light at `from_us` [cd/m²].
             after: (height, width) light at `to_us` [cd/m²]; a straight line lies between.
+            changed: (blocks,) masks of the pixels where the two differ.
             from_us: start of the step [µs].
             to_us: end of the step [µs].
 
@@ -110,46 +108,48 @@ class Aps:
         """
         finished = []
         while self._start_us < to_us:
-            start_us = max(from_us, self._start_us)
-            end_us = min(to_us, self._start_us + self._exposure_us)
-            weights = trapezoid_weights(from_us, to_us, start_us, end_us)
-            add_light(self._light.ravel(), before.ravel(), after.ravel(), *weights)
-            if end_us < self._start_us + self._exposure_us:
+            start_us, exposure_us, weights = self._start_us, self._exposure_us, self._weights
+            expose_rows(
+                from_us, to_us, start_us, exposure_us, self._delays_us, self._seconds, weights
+            )
+            old, new = before.ravel(), after.ravel()
+            correct(self._correction, old, new, changed, weights, after.shape[1])
+            end_us = start_us + int(self._delays_us[-1]) + exposure_us
+            if end_us > to_us:
                 break
-            finished.append(self._read_out(end_us))
+            finished.append(self._read_out(after, end_us))
         return tuple(finished)
 
-    def _read_out(self, end_us: int) -> ApsFrame:
+    def _read_out(self, light: Image, end_us: int) -> ApsFrame:
         """Convert the integral, meter it, and set the next exposure up."""
-        electrons = self._electrons(self._light)
-        if self._config.noise:
-            self._add_noise(electrons)
-        frame = ApsFrame(self._start_us, end_us, self._convert(electrons))
+        config, rolling_us = self._config, int(self._delays_us[-1])
+        electrons = self._electrons(light, self._seconds)
+        if config.noise:
+            first = np.uint64(self._frames * electrons.size)
+            draw_gaussians(self._noise_seed, first, self._gaussians)
+            add_noise(electrons, self._gaussians, config.read_noise_e**2, self._gains)
+        image = self._convert(electrons).reshape(light.shape)
+        frame = ApsFrame(self._start_us, end_us, image, rolling_us)
         self._frames += 1
-        self._start_us = max(
-            self._start_us + self._config.period_min_us, end_us + self._config.readout_us
-        )
+        rest_us = 0 if rolling_us else config.readout_us
+        self._start_us = max(self._start_us + config.period_min_us, end_us + rest_us)
         self._exposure_us = self._metered_exposure_us(frame.image)
-        self._light.fill(0.0)
+        self._correction.fill(0.0)
+        self._seconds.fill(0.0)
         return frame
 
-    def _electrons(self, light_cd_s_m2: Image) -> Image:
+    def _electrons(self, light: Image, seconds: Seconds) -> Floats:
+        """Mean electrons of each pixel, (pixels,), after so many seconds of exposure of its row."""
+        electrons = np.empty(light.size, np.float32)
         dark = self._dark_electrons_per_s * self._exposure_us * 1e-6
-        return np.asarray(light_cd_s_m2 * self._electrons_per_cd_s + dark, np.float32)
+        gain = self._electrons_per_cd_s
+        collect(self._correction, light.ravel(), seconds, light.shape[1], gain, dark, electrons)
+        return electrons
 
-    def _add_noise(self, electrons: Image) -> None:
-        """Photon shot noise (variance = mean) and read noise, as one Gaussian, in place.
-
-        Where a count is too small for a Gaussian, read noise of tens of electrons hides it.
-        """
-        rng = np.random.default_rng((self._seed, _STREAM, self._frames))
-        deviation = np.sqrt(electrons + self._config.read_noise_e**2)
-        electrons += deviation * rng.standard_normal(electrons.shape, np.float32)
-
-    def _convert(self, electrons: Image) -> npt.NDArray[np.uint16]:
-        """Fill the wells, then round to levels; below 0 the converter reads 0."""
-        levels = np.clip(electrons, 0.0, self._config.full_well_e) / self._config.electrons_per_dn
-        return np.asarray(np.rint(levels), np.uint16)
+    def _convert(self, electrons: Floats) -> npt.NDArray[np.uint16]:
+        levels = np.empty(electrons.size, np.uint16)
+        convert(electrons, self._config.full_well_e, 1.0 / self._config.electrons_per_dn, levels)
+        return levels
 
     def _metered_exposure_us(self, image: npt.NDArray[np.uint16]) -> int:
         """Exposure that would bring the mean of `image` to the target, if nothing saturates."""

@@ -9,8 +9,12 @@ they are marked assumed, with what is said of the real camera.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from emulator._ranges import check_ranges
+from emulator.errors import SensorConfigError
+
+SHUTTERS = ("global", "rolling")
 
 _RANGES = {
     "electrons_per_lux_s": (1.0, 1e9, "give the electrons that one lux collects in a second"),
@@ -21,13 +25,18 @@ _RANGES = {
     "exposure_min_us": (1, 10_000_000, "give whole microseconds, such as 10"),
     "target_dn": (1.0, 1023.0, "give the mean level that auto-exposure aims at, such as 200"),
     "period_min_us": (1, 10_000_000, "25000 is 40 frames a second"),
+    "fixed_pattern": (
+        0.0,
+        0.5,
+        "give the standard deviation of the gain over pixels, such as 0.005",
+    ),
     "readout_us": (0, 10_000_000, "give the time from the end of an exposure to the next start"),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
 class ApsConfig:
-    """Active pixel sensor: global shutter, 10 bits, automatic exposure.
+    """Active pixel sensor: 10 bits, automatic exposure.
 
     Attributes:
         electrons_per_lux_s: photoelectrons per lux on the chip and second. 1.1e16 photons/m² per
@@ -37,7 +46,12 @@ class ApsConfig:
         saturation_dn: level at saturation (assumed: users report 680 DN of the 10 bits), so
             54 e⁻/DN.
         read_noise_e: rms noise of a dark pixel [e⁻]: full well over the 55 dB of the paper.
-        noise: whether photon shot noise and read noise are drawn (the real sensor has both).
+        fixed_pattern: standard deviation of the pixels' gains (Brandli 2014: 0.5 %); offsets are
+            taken to be gone by double sampling (assumed).
+        noise: whether there is photon shot noise, read noise and fixed-pattern noise (the real
+            sensor has all three).
+        shutter: "global", all rows exposed at once, or "rolling", one row after another within
+            the time of a readout (the chip has both; global is the maker's default).
         auto_exposure: whether exposure follows the light (assumed, since the paper saw fewer frames
             at night); if not it stays at `exposure_us`.
         exposure_us: exposure without auto-exposure [µs] (assumed: the 7.2 ms that is said to be the
@@ -47,7 +61,8 @@ class ApsConfig:
             where the paper saw fewer than 10).
         target_dn: mean level that auto-exposure aims at [DN] (assumed: 30 % of saturation).
         period_min_us: shortest time between starts of exposure [µs] (the paper: 40 frames/s).
-        readout_us: from the end of an exposure to the next start [µs] (assumed).
+        readout_us: time to read a frame out: from the end of a global exposure to the next start,
+            or from the first row of a rolling one to the last [µs] (assumed).
 
     Raises:
         SensorConfigError: a value is outside its range.
@@ -57,7 +72,9 @@ class ApsConfig:
     full_well_e: float = 37_000.0
     saturation_dn: int = 680
     read_noise_e: float = 66.0
+    fixed_pattern: float = 0.005
     noise: bool = True
+    shutter: Literal["global", "rolling"] = "global"
     auto_exposure: bool = True
     exposure_us: int = 7_200
     exposure_min_us: int = 10
@@ -68,6 +85,11 @@ class ApsConfig:
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES)
+        if self.shutter not in SHUTTERS:
+            raise SensorConfigError(
+                f"shutter is {self.shutter!r}; allowed is one of {', '.join(SHUTTERS)}; "
+                "global exposes all rows at once, rolling one after another"
+            )
         longest = (self.exposure_min_us, 10_000_000, "it may not be below exposure_min_us")
         reachable = (1.0, 0.95 * self.saturation_dn, "it must lie below saturation_dn")
         check_ranges(self, {"exposure_max_us": longest, "target_dn": reachable})

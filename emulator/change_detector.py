@@ -12,12 +12,11 @@ event at d = −θ_off, then the pixel memorises the present value).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
+from emulator._compile import compiled, inlined
+from emulator._elementary import exp, log
 
 THETA_MIN = 0.01
 """Least threshold that mismatch may leave a pixel (v2e's choice too): a pixel at or below zero
@@ -26,7 +25,10 @@ would fire without end, and is not one that leaves the factory."""
 NEVER_US = np.inf
 """Time of a crossing that does not happen."""
 
-_TIME_TOLERANCE_US = 1e-3
+TIME_TOLERANCE_US = 1e-3
+"""How exactly a crossing is found [µs]; events are stamped to 1 µs."""
+
+_SHORT_MOVE = 0.25
 _ROUNDS_MAX = 60
 
 
@@ -45,7 +47,7 @@ def draw_thresholds(
 @compiled
 def difference(start: float, rate: float, swing: float, tau_us: float, s_us: float) -> float:
     """Difference d(s) to the memorised value, `s_us` into the step."""
-    return start + rate * s_us + swing * (1.0 - math.exp(-s_us / tau_us))
+    return start + rate * s_us + swing * (1.0 - exp(-s_us / tau_us))
 
 
 @compiled
@@ -54,7 +56,23 @@ def turning_point_us(rate: float, swing: float, tau_us: float, span_us: float) -
     share = -rate * tau_us / swing
     if not 0.0 < share < 1.0:
         return span_us
-    return min(span_us, -tau_us * math.log(share))
+    return min(span_us, -tau_us * log(share))
+
+
+@inlined
+def is_close(move: float, curvature: float, slope: float, per_us: float) -> bool:
+    """Whether a step of Newton's has come within the tolerance.
+
+    It leaves an error of |d''/2d'|·move², if the move is so short that d'' hardly changes.
+
+    Args:
+        move: the step [µs].
+        curvature: d'' before it, up to its sign [1/µs²].
+        slope: d' before it [1/µs].
+        per_us: 1/τ [1/µs].
+    """
+    near = abs(move) * per_us <= _SHORT_MOVE
+    return near & (abs(curvature) * move * move <= TIME_TOLERANCE_US * abs(slope))
 
 
 @compiled
@@ -68,19 +86,22 @@ def level_crossing_us(
     bottom = difference(start, rate, swing, tau_us, low)
     top = difference(start, rate, swing, tau_us, high)
     rising = top > bottom
+    per_us = 1.0 / tau_us
     s = low + (high - low) * min(max((level - bottom) / (top - bottom), 0.0), 1.0)
     for _ in range(_ROUNDS_MAX):
-        decay = math.exp(-s / tau_us)
+        decay = exp(-s * per_us)
         excess = start + rate * s + swing * (1.0 - decay) - level
         if (excess > 0.0) == rising:
             high = s
         else:
             low = s
-        previous = s
-        s -= excess / (rate + swing / tau_us * decay)
+        bend = swing * decay * per_us
+        slope = rate + bend
+        move = excess / slope
+        s -= move
         if not low <= s <= high:
             s = 0.5 * (low + high)
-        if abs(s - previous) < _TIME_TOLERANCE_US:
+        elif is_close(move, bend * per_us, slope, per_us):
             break
     return s
 

@@ -8,11 +8,18 @@ activity recorded from 50×50 pixels); v2e = Hu, Liu, Delbruck, CVPRW 2021.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Self
 
 from emulator._ranges import check_ranges
 from emulator.aps_config import ApsConfig
+
+UNLIMITED_HZ = 1e12
+"""Words a second from which on the bus is taken to have no limit."""
+
+REFERENCE_C = 25.0
+"""Temperature of the chip at which dark current and leak are given [°C]."""
 
 _RANGES = {
     "width": (1, 32767, "give whole pixels; events carry 16-bit coordinates"),
@@ -29,10 +36,20 @@ _RANGES = {
     "theta_mismatch": (0.0, 1.0, "give a standard deviation in ln(light), such as 0.035"),
     "bandwidth_hz_per_lux": (1e-3, 1e15, "give the cutoff that one lux on the chip allows"),
     "bandwidth_limit_hz": (1e-3, 1e9, "1e9 stands for no limit"),
+    "follower_hz": (0.0, 1e9, "0 leaves the follower out"),
     "refractory_us": (0, 1_000_000, "give whole microseconds, such as 3"),
     "leak_hz": (0.0, 1000.0, "0 switches the leak in the dark off"),
     "leak_hz_per_lux": (0.0, 1.0, "0 switches the leak by light off"),
     "shot_noise_scale": (0.0, 1000.0, "0 switches shot noise off, 1 is as published"),
+    "temperature_c": (-60.0, 150.0, "give the temperature of the chip in °C, such as 25"),
+    "dark_doubling_k": (1.0, 100.0, "give the rise that doubles the dark current, such as 7"),
+    "leak_doubling_k": (1.0, 100.0, "give the rise that doubles the junction leak, such as 7"),
+    "readout_limit_hz": (1.0, 1e12, "1e12 stands for no limit"),
+    "readout_latency_us": (0, 1_000_000, "give whole microseconds, such as 1"),
+    "dead_fraction": (0.0, 1.0, "0 switches dead pixels off"),
+    "crazy_fraction": (0.0, 1.0, "0 switches crazy pixels off"),
+    "crazy_hz_min": (0.0, 100_000.0, "give the rate of the slowest crazy pixel"),
+    "crazy_hz_max": (0.0, 100_000.0, "give the rate of the fastest crazy pixel"),
     "hot_fraction": (0.0, 1.0, "0 switches hot pixels off"),
     "hot_hz_min": (0.0, 10_000.0, "give the rate of the slowest hot pixel"),
     "hot_hz_max": (0.0, 10_000.0, "give the rate of the fastest hot pixel"),
@@ -59,6 +76,8 @@ class SensorConfig:
             night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that is light
             on an 18 % grey scene through f/1.2 (31 lux on the chip).
         bandwidth_limit_hz: cutoff that the biases allow in bright light [Hz] (Lichtsteiner 2008).
+        follower_hz: cutoff of the source follower behind the photoreceptor, which makes the pixel
+            second order, at some cost in speed [Hz]; 0 leaves it out (as v2e does).
         refractory_us: time after an event during which a pixel is held in reset [µs] (maker's
             default biases).
         leak_hz: ON events of the junction leak per pixel in the dark [Hz] (Nozaki 2017, v2e).
@@ -69,6 +88,18 @@ class SensorConfig:
         hot_fraction: share of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
         hot_hz_min: rate of the slowest hot pixel [Hz] (Joubert 2021).
         hot_hz_max: rate of the fastest hot pixel [Hz] (Joubert 2021).
+        temperature_c: temperature of the chip [°C]. `dark_lux` and `leak_hz` are given at 25 °C
+            (assumed) and grow with it (Nozaki 2017: both follow an Arrhenius law).
+        dark_doubling_k: rise that doubles the dark current [K] (assumed: silicon's 6 to 8 K).
+        leak_doubling_k: rise that doubles the junction leak [K] (assumed: as the dark current).
+        dead_fraction: share of pixels that never fire (assumed: none, the maker tests for them).
+        crazy_fraction: share of pixels that fire ON and OFF at random whatever the light
+            (assumed: none). Their events count as those of hot pixels.
+        crazy_hz_min: rate of the slowest crazy pixel [Hz] (assumed).
+        crazy_hz_max: rate of the fastest crazy pixel [Hz] (assumed).
+        readout_limit_hz: words a second on the bus of the row arbiter, one for each event and one
+            for each row that is read [Hz] (the maker's documentation: about 12 million events).
+        readout_latency_us: from the grant of a row to its time stamp [µs] (assumed: less than 1).
         aps: the frame part of the sensor.
 
     Raises:
@@ -85,6 +116,7 @@ class SensorConfig:
     theta_mismatch: float = 0.035
     bandwidth_hz_per_lux: float = 100.0
     bandwidth_limit_hz: float = 3000.0
+    follower_hz: float = 0.0
     refractory_us: int = 3
     leak_hz: float = 0.1
     leak_hz_per_lux: float = 2.4e-5
@@ -92,17 +124,42 @@ class SensorConfig:
     hot_fraction: float = 4e-4
     hot_hz_min: float = 45.0
     hot_hz_max: float = 56.0
+    temperature_c: float = 25.0
+    dark_doubling_k: float = 7.0
+    leak_doubling_k: float = 7.0
+    dead_fraction: float = 0.0
+    crazy_fraction: float = 0.0
+    crazy_hz_min: float = 100.0
+    crazy_hz_max: float = 1000.0
+    readout_limit_hz: float = 12e6
+    readout_latency_us: int = 0
     aps: ApsConfig = field(default_factory=ApsConfig)
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES)
         check_ranges(
-            self, {"hot_hz_max": (self.hot_hz_min, 10_000.0, "it may not be below hot_hz_min")}
+            self,
+            {
+                "hot_hz_max": (self.hot_hz_min, 10_000.0, "it may not be below hot_hz_min"),
+                "crazy_hz_max": (self.crazy_hz_min, 100_000.0, "it may not be below crazy_hz_min"),
+            },
         )
+
+    @property
+    def warm_dark_lux(self) -> float:
+        """Dark current at the temperature of the chip [lux]."""
+        doublings = (self.temperature_c - REFERENCE_C) / self.dark_doubling_k
+        return self.dark_lux * math.exp2(doublings)
+
+    @property
+    def warm_leak_hz(self) -> float:
+        """ON events of the junction leak per pixel at the temperature of the chip [Hz]."""
+        doublings = (self.temperature_c - REFERENCE_C) / self.leak_doubling_k
+        return self.leak_hz * math.exp2(doublings)
 
     @classmethod
     def noise_free(cls, *, width: int = 346, height: int = 260) -> Self:
-        """The same sensor without leak, shot noise, hot pixels or APS noise.
+        """The same sensor without leak, shot noise, hot or crazy pixels, or APS noise.
 
         Thresholds with their mismatch, bandwidth and refractory period stay.
         """
@@ -113,16 +170,18 @@ class SensorConfig:
             leak_hz_per_lux=0.0,
             shot_noise_scale=0.0,
             hot_fraction=0.0,
+            crazy_fraction=0.0,
             aps=ApsConfig(noise=False),
         )
 
     @classmethod
     def ideal(cls, *, width: int = 346, height: int = 260) -> Self:
-        """The textbook pixel: no noise, no mismatch, no bandwidth limit, no refractory period."""
+        """The textbook pixel: no noise, no mismatch, no limits to bandwidth, rate or readout."""
         return replace(
             cls.noise_free(width=width, height=height),
             theta_mismatch=0.0,
             bandwidth_hz_per_lux=1e15,
             bandwidth_limit_hz=1e9,
             refractory_us=0,
+            readout_limit_hz=UNLIMITED_HZ,
         )

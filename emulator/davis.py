@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
+from emulator._crew import Crew
 from emulator.aps import Aps, ApsFrame
-from emulator.config import SensorConfig
+from emulator.arbiter import Arbiter, Readout
+from emulator.batch import empty_batch
+from emulator.config import UNLIMITED_HZ, SensorConfig
 from emulator.errors import SensorConfigError
 from emulator.event_keys import Keys, unpack_keys
 from emulator.events import Events, empty_events
-from emulator.frames import check_luminance, check_time
+from emulator.frames import Window, check_frame, check_luminance, check_time, check_window
 from emulator.pixel_step import step_pixels
-from emulator.pixels import PixelState, draw_maps, make_model, settled_state
+from emulator.pixels import PixelState, draw_pixels, make_model, settled_state
+from emulator.scan import find_work, look_everywhere, look_within, no_work
 
 _DEFAULT = SensorConfig()
 _STREAM = 0
 _KEYS_AT_FIRST = 4096
+_THREADS_MAX = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,15 +32,18 @@ class SensorOutput:
     """What one step of light brought out of the sensor.
 
     Attributes:
-        events: (n,) of `EVENT_DTYPE`, those in (time of the step before, time of this step],
-            sorted by t and then by pixel; final, no later step adds to that span.
+        events: (n,) of `EVENT_DTYPE`, those read out in (time of the step before, time of this
+            step], sorted by t and then by pixel; final, no later step adds to that span. What the
+            row arbiter has not granted by the end of the step leaves in a later one.
         causes: (n,) uint8, the `Cause` of each event.
         aps_frames: frames whose exposure ended in that span.
+        readout: what the row arbiter did: events offered, delayed, dropped and waiting.
     """
 
     events: Events
     causes: npt.NDArray[np.uint8]
     aps_frames: tuple[ApsFrame, ...]
+    readout: Readout = field(default_factory=Readout)
 
 
 class Davis346:
@@ -44,35 +52,64 @@ class Davis346:
     Args:
         config: the sensor and its lens.
         seed: of everything random. Same seed, same light: the same output, bit for bit.
+        threads: how many share a step; their number changes nothing but the time it takes.
 
     Raises:
-        SensorConfigError: the seed is negative or no integer.
+        SensorConfigError: the seed is negative or no integer, or there are no threads.
     """
 
-    def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int):
+    def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             raise SensorConfigError(
                 f"the seed is {seed!r}; allowed is a whole number from 0; choose one, such as 1"
             )
+        if (
+            isinstance(threads, bool)
+            or not isinstance(threads, int)
+            or not 1 <= threads <= _THREADS_MAX
+        ):
+            raise SensorConfigError(
+                f"threads is {threads!r}; allowed is a whole number from 1 to {_THREADS_MAX}; "
+                "give one for each core that the sensor may use"
+            )
         self.config = config
+        pixels = config.width * config.height
         rng = np.random.default_rng((int(seed), _STREAM))
-        self._maps = draw_maps(config, rng)
+        self._pixels = draw_pixels(config, rng)
         self._model = make_model(config, rng.integers(2**64, dtype=np.uint64))
-        phase = rng.random(config.width * config.height, np.float32)
-        leaks = config.leak_hz > 0.0 or config.leak_hz_per_lux > 0.0
-        self._first_leak = self._maps.theta_on * (phase if leaks else np.zeros_like(phase))
+        phase = rng.random(pixels, np.float32)
+        if config.leak_hz > 0.0 or config.leak_hz_per_lux > 0.0:
+            self._pixels["leak"] = np.where(
+                np.isfinite(self._pixels["theta_on"]), self._pixels["theta_on"] * phase, 0.0
+            )
         self._aps = Aps(
             config.aps,
             lux_per_cd_m2=self._model.lux_per_cd_m2,
-            dark_lux=config.dark_lux,
+            dark_lux=self._model.dark_lux,
             seed=int(seed),
+        )
+        self._arbiter = (
+            None
+            if config.readout_limit_hz >= UNLIMITED_HZ
+            else Arbiter(
+                width=config.width,
+                height=config.height,
+                limit_hz=config.readout_limit_hz,
+                latency_us=config.readout_latency_us,
+                refractory_us=config.refractory_us,
+            )
         )
         self._state: PixelState | None = None
         self._first_us = 0
         self._last_us: int | None = None
-        self._keys = np.empty(_KEYS_AT_FIRST, np.int64)
+        self._work = no_work(pixels)
+        self._keys = [np.empty(_KEYS_AT_FIRST, np.int64) for _ in range(threads)]
+        self._batches = [empty_batch() for _ in range(threads)]
+        self._crew = Crew(threads)
 
-    def step(self, t_us: int, luminance_cd_m2: npt.ArrayLike) -> SensorOutput:
+    def step(
+        self, t_us: int, luminance_cd_m2: npt.ArrayLike, *, changed: Window | None = None
+    ) -> SensorOutput:
         """Take in the light at one time; the sensor takes it as ramping there from the last.
 
         The first call shows the sensor the scene that it has settled on, and returns nothing.
@@ -83,27 +120,37 @@ class Davis346:
             luminance_cd_m2: (height, width) float32 or another floating point type, which is
                 rounded to float32; light of the scene at each pixel, averaged over its area
                 [cd/m²]; 0 is darkness.
+            changed: x0, y0, x1, y1 of a window, the last two exclusive, outside of which no light
+                has changed since the step before: what is outside is not looked at, which saves
+                time. None if it is not known.
 
         Returns:
             Events and frames since the step before.
 
         Raises:
             FrameError: another shape, luminance that is not floating point, NaN, infinite or
-                negative, a time that is no integer, goes back or stands still, or a step of
-                more than 17.9 minutes.
+                negative, a time that is no integer, goes back or stands still, a step of more
+                than 17.9 minutes, or a window that is none.
         """
         config = self.config
         time_us = check_time(t_us, self._last_us)
-        frame = check_luminance(luminance_cd_m2, width=config.width, height=config.height)
+        frame = check_frame(luminance_cd_m2, width=config.width, height=config.height)
         if self._state is None or self._last_us is None:
             self._begin(time_us, frame)
             return SensorOutput(empty_events(), np.empty(0, np.uint8), ())
-        from_us, self._last_us = self._last_us, time_us
+        from_us, to_us = self._last_us - self._first_us, time_us - self._first_us
+        self._find_work(self._state, frame, to_us, changed)
         before = self._state.luminance.reshape(frame.shape)
-        aps_frames = self._aps.expose(before, frame, from_us=from_us, to_us=time_us)
-        keys = self._run_pixels(frame.ravel(), from_us - self._first_us, time_us - self._first_us)
-        events, causes = unpack_keys(keys, start_us=from_us, width=config.width)
-        return SensorOutput(events, causes, aps_frames)
+        aps_frames = self._aps.expose(
+            before, frame, self._work.changed, from_us=self._last_us, to_us=time_us
+        )
+        keys = np.sort(self._run_pixels(self._state, frame.ravel(), from_us, to_us))
+        readout = Readout(offered=keys.size)
+        if self._arbiter is not None:
+            keys, readout = self._arbiter.read_out(keys, from_us=from_us, to_us=to_us)
+        events, causes = unpack_keys(keys, start_us=self._last_us, width=config.width)
+        self._last_us = time_us
+        return SensorOutput(events, causes, aps_frames, readout)
 
     def stream(self, frames: Iterable[tuple[int, npt.ArrayLike]]) -> Iterator[SensorOutput]:
         """Step through (time [µs], luminance [cd/m²]) pairs, one output each.
@@ -117,26 +164,40 @@ class Davis346:
             yield self.step(t_us, luminance_cd_m2)
 
     def _begin(self, t_us: int, frame: npt.NDArray[np.float32]) -> None:
-        self._state = settled_state(frame.ravel(), self._model, self._first_leak)
+        check_luminance(frame)
+        self._state = settled_state(frame.ravel(), self._model, self._pixels)
         self._aps.begin(t_us, frame)
         self._first_us = self._last_us = t_us
 
-    def _run_pixels(self, luminance: npt.NDArray[np.float32], from_us: int, to_us: int) -> Keys:
-        """Take all pixels through a step, with a larger array for their events where need be."""
-        assert self._state is not None
-        pixel = count = 0
-        while True:
-            pixel, count = step_pixels(
-                self._state,
-                self._maps,
-                self._model,
-                luminance,
-                from_us,
-                to_us,
-                self._keys,
-                pixel,
-                count,
+    def _find_work(
+        self, state: PixelState, frame: npt.NDArray[np.float32], to_us: int, changed: Window | None
+    ) -> None:
+        """Find the pixels that have work, and refuse light that is none."""
+        width, height = self.config.width, self.config.height
+        if changed is None:
+            look_everywhere(self._work)
+        else:
+            look_within(self._work, check_window(changed, width=width, height=height), width)
+        parts, luminance = len(self._batches), frame.ravel()
+        if not all(
+            self._crew.share(
+                lambda part: find_work(state, luminance, to_us, self._work, part, parts)
             )
-            if pixel == luminance.size:
-                return self._keys[:count]
-            self._keys = np.concatenate((self._keys, np.empty_like(self._keys)))
+        ):
+            check_luminance(frame)
+
+    def _run_pixels(
+        self, state: PixelState, luminance: npt.NDArray[np.float32], from_us: int, to_us: int
+    ) -> Keys:
+        """Take all pixels through a step."""
+        parts = len(self._batches)
+
+        def run(part: int) -> Keys:
+            batch, keys = self._batches[part], self._keys[part]
+            self._keys[part], used = step_pixels(
+                state, self._model, luminance, from_us, to_us, self._work, part, parts, batch, keys
+            )
+            return self._keys[part][:used]
+
+        found = self._crew.share(run)
+        return found[0] if parts == 1 else np.concatenate(found)

@@ -20,8 +20,10 @@ Keys: TypeAlias = npt.NDArray[np.int64]
 MAX_STEP_US = 2**30 - 1
 """Longest step whose times fit into a key: 17.9 minutes."""
 
-_TIME_SHIFT = 33
-_PIXEL_MASK = 2**30 - 1
+TIME_SHIFT = 33
+"""Place of the time in a key."""
+
+PIXEL_MASK = 2**30 - 1
 
 
 @compiled
@@ -32,7 +34,7 @@ def make_key(time_us: float, step_us: int, pixel: int, mark: int) -> int:
     may exceed the whole by a rounding error, which would otherwise become 1 µs.
     """
     offset_us = min(max(1, math.ceil(time_us)), step_us)
-    return (offset_us << _TIME_SHIFT) | (pixel << 3) | mark
+    return (offset_us << TIME_SHIFT) | (pixel << 3) | mark
 
 
 @compiled
@@ -41,8 +43,8 @@ def _unpack(
 ) -> None:
     for i in range(keys.size):
         key = keys[i]
-        pixel = (key >> 3) & _PIXEL_MASK
-        events[i].t = start_us + (key >> _TIME_SHIFT)
+        pixel = (key >> 3) & PIXEL_MASK
+        events[i].t = start_us + (key >> TIME_SHIFT)
         events[i].x = pixel % width
         events[i].y = pixel // width
         events[i].p = (key & 1) != 0
@@ -50,10 +52,10 @@ def _unpack(
 
 
 def unpack_keys(keys: Keys, *, start_us: int, width: int) -> tuple[Events, npt.NDArray[np.uint8]]:
-    """Sort keys and turn them into events.
+    """Turn sorted keys into events.
 
     Args:
-        keys: (n,) int64, in any order.
+        keys: (n,) int64, sorted.
         start_us: time of the start of the step [µs].
         width: columns of the sensor [px].
 
@@ -62,5 +64,5 @@ def unpack_keys(keys: Keys, *, start_us: int, width: int) -> tuple[Events, npt.N
     """
     events = np.empty(keys.size, EVENT_DTYPE)
     causes = np.empty(keys.size, np.uint8)
-    _unpack(np.sort(keys), start_us, width, events, causes)
+    _unpack(keys, start_us, width, events, causes)
     return events, causes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from operator import index
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -10,14 +11,17 @@ import numpy.typing as npt
 from emulator.errors import FrameError
 from emulator.event_keys import MAX_STEP_US
 
+Window: TypeAlias = tuple[int, int, int, int]
+"""x0, y0, x1, y1 of a window of pixels, the last two exclusive."""
+
 MAX_LUMINANCE_CD_M2 = 1e10
 """Brightest light that the sensor takes: six times the disc of the sun."""
 
 
-def check_luminance(
+def check_frame(
     luminance_cd_m2: npt.ArrayLike, *, width: int, height: int
 ) -> npt.NDArray[np.float32]:
-    """Refuse what cannot be light.
+    """Refuse what cannot be a frame of light, without a look at the light itself.
 
     Args:
         luminance_cd_m2: candidate frame [cd/m²].
@@ -28,8 +32,7 @@ def check_luminance(
         The frame, (height, width) float32, contiguous; the same array where it was one already.
 
     Raises:
-        FrameError: another shape, not floating point, NaN, negative, or brighter than
-            `MAX_LUMINANCE_CD_M2`.
+        FrameError: another shape, or not floating point.
     """
     frame = np.asarray(luminance_cd_m2)
     if frame.shape != (height, width):
@@ -43,14 +46,50 @@ def check_luminance(
             "multiply grey levels by the cd/m² of one level first"
         )
     with np.errstate(over="ignore"):
-        frame = np.ascontiguousarray(frame, np.float32)
+        return np.ascontiguousarray(frame, np.float32)
+
+
+def check_luminance(frame: npt.NDArray[np.float32]) -> None:
+    """Refuse what cannot be light.
+
+    Args:
+        frame: (height, width) luminance [cd/m²].
+
+    Raises:
+        FrameError: NaN, negative, or brighter than `MAX_LUMINANCE_CD_M2`.
+    """
     if not (frame.min() >= 0.0 and frame.max() <= MAX_LUMINANCE_CD_M2):
         bad = np.argwhere(~((frame >= 0.0) & (frame <= MAX_LUMINANCE_CD_M2)))[0]
         raise FrameError(
             f"the frame has luminance {frame[tuple(bad)]} cd/m² at row {bad[0]}, column {bad[1]}; "
             f"allowed is 0 to {MAX_LUMINANCE_CD_M2:g} cd/m²; mend the renderer or clip the frame"
         )
-    return frame
+
+
+def check_window(window: Window, *, width: int, height: int) -> Window:
+    """Refuse what is not a window of the sensor.
+
+    Args:
+        window: x0, y0, x1, y1, the last two exclusive [px]; it may be empty.
+        width: sensor columns [px].
+        height: sensor rows [px].
+
+    Returns:
+        The window, of Python integers.
+
+    Raises:
+        FrameError: not four integers in order, or beyond the sensor.
+    """
+    try:
+        x0, y0, x1, y1 = (index(bound) for bound in window)
+    except (TypeError, ValueError):
+        x0, y0, x1, y1 = 1, 1, 0, 0
+    if not (0 <= x0 <= x1 <= width and 0 <= y0 <= y1 <= height):
+        raise FrameError(
+            f"the window of what changed is {window!r}; allowed is x0, y0, x1, y1 with "
+            f"0 <= x0 <= x1 <= {width} and 0 <= y0 <= y1 <= {height}; pass None if it is not known"
+        )
+    return x0, y0, x1, y1
 
 
 def check_time(t_us: int, last_us: int | None) -> int:

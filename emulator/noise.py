@@ -22,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
+from emulator._compile import compiled, inlined
+from emulator._elementary import exp, half_turn, log, real_of
 from emulator.config import SensorConfig
 
 SHOT_LUX = (0.1, 161.0)
@@ -34,7 +35,9 @@ _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
 _S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
 _S32 = np.uint64(32)
+_LOW_WORD = np.uint64(0xFFFFFFFF)
 _STEP = 2.0**-53
+_PER_WORD = 2.0**-32
 
 
 class NoiseLaw(NamedTuple):
@@ -66,20 +69,20 @@ def noise_law(config: SensorConfig) -> NoiseLaw:
         shot_log_min=low,
         shot_log=math.log(SHOT_OFF_HZ[0] * scale) - power * low if scale > 0.0 else -math.inf,
         shot_power=power,
-        leak_dark=config.leak_hz * config.theta_on * 1e-6,
+        leak_dark=config.warm_leak_hz * config.theta_on * 1e-6,
         leak_per_lux=config.leak_hz_per_lux * config.theta_on * 1e-6,
-        dark_lux=config.dark_lux,
+        dark_lux=config.warm_dark_lux,
     )
 
 
-@compiled
+@inlined
 def shot_rates(law: NoiseLaw, log_lux: float) -> tuple[float, float]:
     """Shot noise of a pixel, ON and OFF [events/µs], at u = `log_lux`."""
-    off = math.exp(law.shot_log + law.shot_power * max(log_lux, law.shot_log_min))
+    off = exp(law.shot_log + law.shot_power * max(log_lux, law.shot_log_min))
     return SHOT_ON_PER_OFF * off, off
 
 
-@compiled
+@inlined
 def leak_drift(law: NoiseLaw, current_lux: float) -> float:
     """Drift of the memorised value [ln units/µs] at a current of `current_lux`, dark included.
 
@@ -95,6 +98,14 @@ def draw_hot_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDArra
     hot = rng.random(pixels) < config.hot_fraction
     rates = rng.uniform(config.hot_hz_min, config.hot_hz_max, pixels)
     return np.where(hot, rates * 1e-6, 0.0).astype(np.float32)
+
+
+def draw_crazy_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDArray[np.float32]:
+    """Frozen rates of crazy pixels: (height·width,) float32 [events/µs], 0 for the healthy."""
+    pixels = config.width * config.height
+    crazy = rng.random(pixels) < config.crazy_fraction
+    rates = rng.uniform(config.crazy_hz_min, config.crazy_hz_max, pixels)
+    return np.where(crazy, rates * 1e-6, 0.0).astype(np.float32)
 
 
 @compiled
@@ -114,4 +125,30 @@ def uniform(seed: np.uint64, pixel: int, draw: int | np.int64) -> float:
 @compiled
 def exponential(seed: np.uint64, pixel: int, draw: int | np.int64) -> float:
     """Unit exponential random number that depends on (seed, pixel, draw) alone."""
-    return -math.log(uniform(seed, pixel, draw))
+    return -log(uniform(seed, pixel, draw))
+
+
+@compiled
+def draw_gaussians(seed: np.uint64, first: np.uint64, out: npt.NDArray[np.float32]) -> None:
+    """Fill `out` with independent Gaussian numbers of unit variance.
+
+    Box and Muller's transform (1958) of two 32-bit halves of SplitMix64's finaliser; no number is
+    beyond 6.8.
+
+    Args:
+        seed: of the sequence.
+        first: place in the sequence to begin with, in pairs.
+        out: (n,) float32, put out.
+    """
+    pairs = (out.size + 1) // 2
+    ones, others = out[:pairs], out[out.size - pairs :]
+    for k in range(pairs):
+        z = (np.uint64(k) + first) * _GOLDEN + seed
+        z = (z ^ (z >> _S30)) * _MIX_1
+        z = (z ^ (z >> _S27)) * _MIX_2
+        z = z ^ (z >> _S31)
+        radius = math.sqrt(-2.0 * log((real_of(z >> _S32) + 0.5) * _PER_WORD))
+        turn = (real_of(z & _LOW_WORD) + 0.5) * _PER_WORD - 0.5
+        sine, cosine = half_turn(math.pi * turn)
+        ones[k] = radius * (2.0 * sine * cosine)
+        others[k] = radius * (1.0 - 2.0 * sine * sine)

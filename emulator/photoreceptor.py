@@ -15,9 +15,8 @@ the chip, time in µs, everything else in natural logarithms.
 
 from __future__ import annotations
 
-import math
-
-from emulator._compile import compiled
+from emulator._compile import compiled, inlined
+from emulator._elementary import log
 
 LOG_PIECE = 0.25
 """Largest change of u over which τ is held constant, at its value half-way: its mean is then off by
@@ -27,10 +26,10 @@ less than 0.3 %. Longer ramps are cut into pieces where τ follows the light."""
 @compiled
 def log_current(lux: float, dark_lux: float) -> float:
     """Steady output of the photoreceptor, u = ln(E + E_dark), at `lux` on the chip."""
-    return math.log(lux + dark_lux)
+    return log(lux + dark_lux)
 
 
-@compiled
+@inlined
 def corner_per_us(current_lux: float, corner_per_lux: float, corner_limit: float) -> float:
     """Corner 1/τ [1/µs] at a current of `current_lux`, the dark current included.
 
@@ -42,7 +41,7 @@ def corner_per_us(current_lux: float, corner_per_lux: float, corner_limit: float
     return min(corner_limit, corner_per_lux * current_lux)
 
 
-@compiled
+@inlined
 def lag_after(lag: float, slope: float, tau_us: float, decay: float) -> float:
     """Lag u − v after a ramp of `slope` per µs, for so long that exp(−s/τ) is `decay`."""
     steady = slope * tau_us

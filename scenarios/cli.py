@@ -6,8 +6,10 @@ from typing import Annotated
 
 from tyro.conf import subcommand
 
+from scenarios.characterise import Characterise
 from scenarios.demo import Demo
 from scenarios.doctor import Doctor
+from scenarios.envelope.command import Envelope
 from scenarios.run import Run
 from scenarios.terminal import script
 from scenarios.velocity_sweep import VelocitySweep
@@ -17,6 +19,8 @@ Commands = (
     Annotated[Run, subcommand("run")]
     | Annotated[Demo, subcommand("demo")]
     | Annotated[VelocitySweep, subcommand("velocity-sweep")]
+    | Annotated[Envelope, subcommand("envelope")]
+    | Annotated[Characterise, subcommand("characterise")]
     | Annotated[View, subcommand("view")]
     | Annotated[Doctor, subcommand("doctor")]
 )

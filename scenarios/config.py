@@ -9,6 +9,7 @@ from typing import Any
 from detector.fly_config import FlyConfig
 from emulator import SensorConfig
 from scenarios.errors import ScenarioError
+from scenarios.methods import FLY, FLY_PRESETS
 from sim import CrossingConfig
 
 
@@ -19,16 +20,30 @@ class RunConfig:
     Attributes:
         crossing: the scene and its motion.
         sensor: the camera.
-        fly: the detector.
+        method: name of the detector; see `scenarios.methods.find_method`.
+        fly: the fly's parameters; None: those of the method's name, and of a method that is no fly
+            there are none.
         seed: of everything random, 0 to 2³² − 1.
+
+    Raises:
+        ScenarioError: the seed is out of range, or a method that is no fly has a fly's parameters.
     """
 
     crossing: CrossingConfig = field(default_factory=CrossingConfig)
     sensor: SensorConfig = field(default_factory=SensorConfig)
-    fly: FlyConfig = field(default_factory=FlyConfig)
+    method: str = FLY
+    fly: FlyConfig | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
+        if self.method in FLY_PRESETS:
+            fly = self.fly or FLY_PRESETS[self.method]
+            object.__setattr__(self, "fly", fly)
+        elif self.fly is not None:
+            raise ScenarioError(
+                f"the method is {self.method} and has parameters of the fly; allowed are these for "
+                f"{' and '.join(FLY_PRESETS)} alone; leave them out"
+            )
         if not 0 <= self.seed < 2**32:
             raise ScenarioError(
                 f"seed is {self.seed}; allowed is 0 to {2**32 - 1}; choose one, such as 0"
@@ -38,7 +53,8 @@ class RunConfig:
     def name(self) -> str:
         """A folder name that tells what is in it."""
         c = self.crossing
-        return f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}"
+        method = "" if self.method == FLY else f"_{self.method.replace(':', '.')}"
+        return f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}{method}"
 
     def parameters(self) -> dict[str, object]:
         """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
+import tyro
+
+from scenarios.methods import FLY
 from scenarios.output import check_output
+from scenarios.pipeline import make_detector
 from scenarios.report import print_runs
 from scenarios.run import LOGS, Run
 from scenarios.sequence import run_sequence
@@ -18,15 +23,18 @@ class Demo:
 
     out: Path = LOGS / "demo"
     """Folder to write both to."""
+    method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
+    """Detector: fly, wide, or a class of your own as package.module:Class."""
 
     def execute(self) -> int:
         """Run both, and print the closing table."""
         runs = [
-            (self.out / "day", Run(lighting="day").config()),
-            (self.out / "night", Run(lighting="night").config()),
+            (self.out / "day", Run(lighting="day", method=self.method).config()),
+            (self.out / "night", Run(lighting="night", method=self.method).config()),
         ]
-        for folder, _ in runs:
+        for folder, config in runs:
             check_output(folder)
+            make_detector(config)
         with progress_bar() as progress:
             summaries = [
                 (folder, run_sequence(config, folder, progress.track(config.name)))

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from scenarios.errors import OutputError
 
@@ -17,7 +18,7 @@ TRUTH = "truth.csv"
 ESTIMATES = "estimates.csv"
 SUMMARY = "summary.json"
 FILES = frozenset({RECORDING, EVENTS, TRUTH, ESTIMATES, SUMMARY})
-"""All that a run writes."""
+"""All that a run writes; other commands list what they wrote in the summary, under "files"."""
 GENERATOR = "flybench"
 
 
@@ -71,6 +72,13 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         _replace(folder, work, aside=Path(scratch) / "old")
 
 
+def write_summary(work: Path, summary: dict[str, Any]) -> None:
+    """Write `summary.json` into a folder that holds all else, with a list of what is in it."""
+    files = sorted({path.name for path in work.iterdir()} | {SUMMARY})
+    text = json.dumps({"generator": GENERATOR} | summary | {"files": files}, indent=2)
+    (work / SUMMARY).write_text(text + "\n", encoding="utf-8")
+
+
 def _replace(folder: Path, work: Path, aside: Path) -> None:
     """Put `work` in `folder`'s place; what was there goes aside, and comes back on a failure."""
     had_one = folder.exists()
@@ -85,7 +93,7 @@ def _replace(folder: Path, work: Path, aside: Path) -> None:
 
 
 def _is_ours(folder: Path) -> bool:
-    """Whether a folder is empty, or holds a run and nothing else."""
+    """Whether a folder is empty, or holds what a command wrote and nothing else."""
     try:
         names = {path.name for path in folder.iterdir()}
         if not names:
@@ -93,7 +101,10 @@ def _is_ours(folder: Path) -> bool:
         summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
-    return names <= FILES and isinstance(summary, dict) and summary.get("generator") == GENERATOR
+    if not isinstance(summary, dict) or summary.get("generator") != GENERATOR:
+        return False
+    listed = summary.get("files", ())
+    return names <= FILES.union(listed if isinstance(listed, list) else ())
 
 
 def _nearest_existing(folder: Path) -> Path:

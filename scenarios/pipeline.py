@@ -1,4 +1,4 @@
-"""Light to decision: a crossing, through the sensor, to the fly, step by step."""
+"""Light to decision: a crossing, through the sensor, to the detector, step by step."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from detector.estimate import MotionEstimate
-from detector.fly import FlyDetector
+from detector.estimate import Detector, MotionEstimate
 from emulator import Davis346, SensorOutput
 from scenarios.config import RunConfig
+from scenarios.judgement import Track
+from scenarios.methods import find_method, fly_maker, read
 from sim import Crossing, GroundTruth, Intrinsics, Sample
 
 
@@ -21,7 +22,7 @@ class Step:
     Attributes:
         sample: the light and the truth.
         output: what the sensor said since the sample before.
-        estimates: what the fly concluded from it.
+        estimates: what the detector concluded from it.
     """
 
     sample: Sample
@@ -49,25 +50,6 @@ class Stopwatch:
             self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
 
 
-@dataclass
-class ViewSpan:
-    """When the target was first and last in view [µs]; empty until it was."""
-
-    first_us: int | None = None
-    last_us: int = -1
-
-    def add(self, truth: GroundTruth) -> None:
-        """Take the next sample's truth into account."""
-        if truth.in_view:
-            self.first_us = truth.t_us if self.first_us is None else self.first_us
-            self.last_us = truth.t_us
-
-    @property
-    def span_us(self) -> tuple[int, int]:
-        """First and last time [µs]; (0, 0) where the target never was in view."""
-        return (0, 0) if self.first_us is None else (self.first_us, self.last_us)
-
-
 def make_crossing(config: RunConfig) -> Crossing:
     """The crossing of `config`, seen by a sensor of its size."""
     return Crossing(
@@ -75,20 +57,32 @@ def make_crossing(config: RunConfig) -> Crossing:
     )
 
 
-def make_fly(config: RunConfig) -> FlyDetector:
-    """The detector of `config`, for a sensor of its size."""
-    return FlyDetector(config.fly, width=config.sensor.width, height=config.sensor.height)
+def make_detector(config: RunConfig) -> Detector:
+    """A fresh detector of `config`, for a sensor of its size.
+
+    Raises:
+        MethodError: there is none of that name, or it does not obey the protocol.
+    """
+    make = find_method(config.method).make if config.fly is None else fly_maker(config.fly)
+    return make(width=config.sensor.width, height=config.sensor.height)
+
+
+def note(track: Track, truth: GroundTruth) -> None:
+    """Take a sample's truth into a track."""
+    centroid = truth.centroid_px
+    point = None if centroid is None else (float(centroid[0]), float(centroid[1]))
+    track.add(truth.t_us, truth.bounding_box_px, point)
 
 
 def run_steps(
-    config: RunConfig, crossing: Crossing, fly: FlyDetector, watch: Stopwatch
+    config: RunConfig, crossing: Crossing, detector: Detector, watch: Stopwatch
 ) -> Iterator[Step]:
     """Run the stages over a crossing.
 
     Args:
         config: the run.
         crossing: its scene.
-        fly: the detector, fresh; its maps are those of the last estimate of a step.
+        detector: a fresh one.
         watch: takes the time of stages "render", "emulate" and "detect".
 
     Yields:
@@ -104,6 +98,7 @@ def run_steps(
         with watch.stage("emulate"):
             output = sensor.step(sample.t_us, sample.luminance)
         with watch.stage("detect"):
-            estimates = fly.push(output.events)
-            estimates += fly.advance(sample.t_us + 1)
+            estimates = read(
+                detector, output.events, until_us=sample.t_us + 1, frames=output.aps_frames
+            )
         yield Step(sample, output, estimates)

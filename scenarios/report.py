@@ -50,7 +50,8 @@ def view_command(folder: Path) -> str:
 
 
 def _rows(summary: dict[str, Any]) -> dict[str, str]:
-    return _truth(summary["truth"]) | _events(summary) | _fly(summary) | _wall(summary["wall_s"])
+    parts = _truth(summary["truth"]), _events(summary), _detector(summary["detector"])
+    return dict(row for part in (*parts, _wall(summary["wall_s"])) for row in part.items())
 
 
 def _truth(truth: dict[str, Any]) -> dict[str, str]:
@@ -74,15 +75,17 @@ def _events(summary: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def _fly(summary: dict[str, Any]) -> dict[str, str]:
-    fly = summary["fly"]
-    latency, after = fly["latency_ms"], fly["accuracy_after_100ms"]
+def _detector(found: dict[str, Any]) -> dict[str, str]:
+    latency = found["latency_ms"]
     return {
-        "the fly's verdict": fly["direction"],
-        "right steps in view": f"{percent(fly['accuracy'])} of {fly['steps_in_view']}",
-        "after 100 ms in view": percent(after),
+        "method": found["method"],
+        "its verdict": found["direction"],
+        "right steps in view": f"{percent(found['accuracy'])} of {found['steps_in_view']}",
+        "after 100 ms in view": percent(found["accuracy_after_100ms"]),
         "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
-        "GRMS [1/s]": number(fly["grms"]),
+        "ROI's overlap (IoU)": percent(found["roi_iou"]),
+        "view centre off by": pixels(found["centroid_error_px"]),
+        "GRMS [1/s]": number(found["grms"]),
     }
 
 
@@ -95,6 +98,11 @@ def _wall(wall_s: dict[str, float]) -> dict[str, str]:
 def percent(share: float | None) -> str:
     """A share as a percentage; None is a share of nothing."""
     return "no step" if share is None else f"{100 * share:.0f} %"
+
+
+def pixels(value: float | None) -> str:
+    """A distance in whole pixels; None is a figure of no step."""
+    return "no step" if value is None else f"{value:.0f} px"
 
 
 def number(value: float | None) -> str:

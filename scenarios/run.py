@@ -11,7 +11,9 @@ import tyro
 from emulator import SensorConfig
 from scenarios.config import RunConfig
 from scenarios.errors import ScenarioError
+from scenarios.methods import FLY
 from scenarios.output import check_output
+from scenarios.pipeline import make_detector
 from scenarios.report import print_runs
 from scenarios.sequence import run_sequence
 from scenarios.terminal import progress_bar, script
@@ -43,6 +45,8 @@ class Run:
     """On the road [lux]; 30 000 by day, 10 by night."""
     seed: int = 0
     """Seed of everything random; the same gives the same events."""
+    method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
+    """Detector: fly, wide, or a class of your own as package.module:Class."""
     noise: bool = True
     """Whether the sensor has leak, shot noise, hot pixels and noisy frames."""
     lead_s: float = 0.15
@@ -74,15 +78,15 @@ class Run:
             supersample=self.supersample,
         )
         sensor = SensorConfig() if self.noise else SensorConfig.noise_free()
-        return RunConfig(
-            replace(crossing, omega_rad_s=self._omega(lighting)), sensor, seed=self.seed
-        )
+        crossing = replace(crossing, omega_rad_s=self._omega(lighting))
+        return RunConfig(crossing, sensor, method=self.method, seed=self.seed)
 
     def execute(self) -> int:
         """Run, and print the closing table."""
         config = self.config()
         folder = self.out or LOGS / config.name
         check_output(folder)
+        make_detector(config)
         with progress_bar() as progress:
             summary = run_sequence(config, folder, progress.track(config.name))
         print_runs([(folder, summary)])

@@ -8,18 +8,19 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from detector.estimate import MotionEstimate
-from detector.fly import FlyDetector
+from detector.estimate import Detector, MotionEstimate
+from detector.fly import FlyMaps
 from scenarios.config import RunConfig
 from scenarios.eventfile import DsecWriter
+from scenarios.judgement import Track
 from scenarios.output import ESTIMATES, EVENTS, RECORDING, SUMMARY, TRUTH, whole_folder
 from scenarios.pipeline import (
     TOTAL,
     Step,
     Stopwatch,
-    ViewSpan,
     make_crossing,
-    make_fly,
+    make_detector,
+    note,
     run_steps,
 )
 from scenarios.recording.recorder import Recorder
@@ -50,6 +51,7 @@ def run_sequence(
 
     Raises:
         OutputError: the folder is somebody else's, or cannot be made.
+        MethodError: there is no such detector.
         RendererError: this machine cannot render.
     """
     watch = Stopwatch()
@@ -63,37 +65,47 @@ def run_sequence(
 
 
 def _run_into(work: Path, config: RunConfig, watch: Stopwatch, progress: Progress) -> Any:
-    crossing, fly = make_crossing(config), make_fly(config)
-    tally, view = EventTally(), ViewSpan()
+    detector, crossing = make_detector(config), make_crossing(config)
+    tally, track = EventTally(), Track()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     size = {"width": config.sensor.width, "height": config.sensor.height}
     with ExitStack() as stack:
-        logger = stack.enter_context(_Logger(work / RECORDING, config, crossing))
+        logger = stack.enter_context(
+            _Logger(work / RECORDING, config, crossing, has_maps=_maps(detector) is not None)
+        )
         events = stack.enter_context(DsecWriter(work / EVENTS, **size))
-        for step in run_steps(config, crossing, fly, watch):
+        for step in run_steps(config, crossing, detector, watch):
             with watch.stage("record"):
                 events.write(step.output.events)
-                logger.log(step, fly)
+                logger.log(step, _maps(detector))
             tally.add(step.output)
-            view.add(step.sample.truth)
+            note(track, step.sample.truth)
             estimates += step.estimates
             truth_rows.append(truth_row(step.sample.truth))
             progress(step.sample.t_us, crossing.duration_us)
     write_table(work / TRUTH, TRUTH_COLUMNS, truth_rows)
     write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
-    return summarise(config, crossing, tally, estimates, view.span_us)
+    return summarise(config, crossing, tally, estimates, track)
+
+
+def _maps(detector: Detector) -> FlyMaps | None:
+    """What the fly saw at its last estimate; another detector has no such maps."""
+    maps = getattr(detector, "maps", None)
+    return maps if isinstance(maps, FlyMaps) else None
 
 
 class _Logger:
     """Feeds the Rerun recording: events always, pictures and truth at their own pace."""
 
-    def __init__(self, path: Path, config: RunConfig, crossing: Crossing) -> None:
+    def __init__(
+        self, path: Path, config: RunConfig, crossing: Crossing, *, has_maps: bool
+    ) -> None:
         self._crossing = crossing
         self._stack = ExitStack()
         self._preview = self._stack.enter_context(Preview(crossing))
         self._recorder = self._stack.enter_context(
-            Recorder(path, crossing=crossing, parameters=config.parameters())
+            Recorder(path, crossing=crossing, parameters=config.parameters(), has_maps=has_maps)
         )
         self._preview_due_us = self._truth_due_us = 0
 
@@ -103,13 +115,13 @@ class _Logger:
     def __exit__(self, *error: Any) -> None:
         self._stack.__exit__(*error)
 
-    def log(self, step: Step, fly: FlyDetector) -> None:
+    def log(self, step: Step, maps: FlyMaps | None) -> None:
         t_us, recorder = step.sample.t_us, self._recorder
         recorder.log_events(step.output.events, step.output.causes)
         for frame in step.output.aps_frames:
             recorder.log_aps(frame)
         for estimate in step.estimates:
-            recorder.log_estimate(estimate, fly.maps)
+            recorder.log_estimate(estimate, maps)
         if t_us >= self._truth_due_us:
             recorder.log_truth(step.sample.truth)
             self._truth_due_us = t_us + TRUTH_PERIOD_US

@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction, MotionEstimate
-from detector.metrics import accuracy, grms, onset_latency_us, verdict, within
+from detector.estimate import MotionEstimate
 from emulator import Cause, SensorOutput
 from scenarios.config import RunConfig
+from scenarios.judgement import Track, judge
+from scenarios.methods import FLY_PRESETS
 from scenarios.output import GENERATOR
 from sim import Crossing
 from sim.vulkan import vulkan_devices
 
-SETTLING_US = 100_000
-"""After this long in view a direction is due: two windows of the paper's Δt."""
 _LIBRARIES = (
     "flybench",
     "mujoco",
@@ -58,56 +57,37 @@ def summarise(
     crossing: Crossing,
     tally: EventTally,
     estimates: Sequence[MotionEstimate],
-    in_view_us: tuple[int, int],
+    track: Track,
 ) -> dict[str, Any]:
     """Everything about a run that is not an array, ready for JSON, but for its wall time.
+
+    What the detector achieved is under "detector", and under "fly" too where it is one.
 
     Args:
         config: the run.
         crossing: its scene.
         tally: its events.
-        estimates: all that the fly said.
-        in_view_us: when the target was first and last in view [µs].
+        estimates: all that the detector said.
+        track: where the target was.
     """
+    verdict = {"method": config.method} | judge(
+        estimates, config.crossing.direction, track.in_view_us, track
+    )
     return {
         "generator": GENERATOR,
         "parameters": asdict(config) | {"crossing": config.crossing.resolved()},
         "seed": config.seed,
-        "versions": {"python": platform.python_version()}
-        | {name: version(name) for name in _LIBRARIES},
+        "versions": versions(),
         "devices": [f"{device.name}: {device.driver}" for device in vulkan_devices()],
-        "truth": _truth(config, crossing, in_view_us),
+        "truth": _truth(config, crossing, track.in_view_us),
         "events": tally.summary(),
-        "fly": judge(estimates, config.crossing.direction, in_view_us),
-    }
+        "detector": verdict,
+    } | ({"fly": verdict} if config.method in FLY_PRESETS else {})
 
 
-def judge(
-    estimates: Sequence[MotionEstimate], direction: str, in_view_us: tuple[int, int]
-) -> dict[str, Any]:
-    """What a detector said over a crossing, against the truth.
-
-    Args:
-        estimates: all that it said.
-        direction: the true one.
-        in_view_us: when the target was first and last in view [µs].
-
-    Returns:
-        direction: its verdict over the steps in view; accuracy: share of those whose direction is
-        right, and the same after the first `SETTLING_US`; latency: from the first pixel in view
-        to the first right step [ms], None where there was none; GRMS of the response [1/s].
-    """
-    truth = Direction(direction)
-    settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]
-    latency_us = onset_latency_us(estimates, truth, crossing_us=in_view_us)
-    return {
-        "direction": verdict(estimates, crossing_us=in_view_us).value,
-        "accuracy": accuracy(estimates, truth, crossing_us=in_view_us),
-        "accuracy_after_100ms": accuracy(estimates, truth, crossing_us=settled_us),
-        "steps_in_view": len(within(estimates, in_view_us)),
-        "latency_ms": None if latency_us is None else latency_us / 1e3,
-        "grms": grms(estimates, crossing_us=in_view_us),
-    }
+def versions() -> dict[str, str]:
+    """Of Python, and of what a result depends on."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
 
 
 def _truth(config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]) -> dict[str, Any]:

@@ -16,8 +16,8 @@ EYE_M, LOOK_AT_M = (-6.0, -12.5, 4.2), (0.6, -2.8, 0.9)
 SKY_RGB = {Lighting.DAY: (92, 124, 160), Lighting.NIGHT: (14, 16, 24)}
 
 
-def blueprint(crossing: Crossing) -> rrb.Blueprint:
-    """The default view of a recording of `crossing`."""
+def blueprint(crossing: Crossing, *, has_maps: bool = True) -> rrb.Blueprint:
+    """The default view of a recording of `crossing`, with or without a fly's maps."""
     lens = crossing.intrinsics
     bounds = rrb.VisualBounds2D(x_range=[0, lens.width], y_range=[0, lens.height])
     left = rrb.Vertical(
@@ -28,8 +28,27 @@ def blueprint(crossing: Crossing) -> rrb.Blueprint:
         _rates(),
         row_shares=[8, 4, 3, 3, 3],
     )
-    right = rrb.Vertical(
-        rrb.Horizontal(_preview(bounds), _events(bounds), _aps(bounds)),
+    seen = rrb.Horizontal(_preview(bounds), _events(bounds), _aps(bounds))
+    right = _with_maps(seen, bounds) if has_maps else _without_maps(bounds)
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=[32, 68]),
+        _time_panel(crossing),
+        collapse_panels=True,
+    )
+
+
+def _without_maps(bounds: rrb.VisualBounds2D) -> rrb.Vertical:
+    """Events with where the detector looks, large; light beneath."""
+    return rrb.Vertical(
+        _events(bounds, _ATTENTION),
+        rrb.Horizontal(_preview(bounds), _aps(bounds)),
+        row_shares=[60, 40],
+    )
+
+
+def _with_maps(seen: rrb.Horizontal, bounds: rrb.VisualBounds2D) -> rrb.Vertical:
+    return rrb.Vertical(
+        seen,
         rrb.Horizontal(
             _map("ON surface", at.SURFACE_ON, bounds),
             _map("OFF surface", at.SURFACE_OFF, bounds),
@@ -39,11 +58,6 @@ def blueprint(crossing: Crossing) -> rrb.Blueprint:
             *(_map(f"T4 + T5 {path.rpartition('/')[2]}", path, bounds) for path in at.MOTION)
         ),
         row_shares=[353, 353, 272],
-    )
-    return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[32, 68]),
-        _time_panel(crossing),
-        collapse_panels=True,
     )
 
 
@@ -70,11 +84,11 @@ def _preview(bounds: rrb.VisualBounds2D) -> rrb.Spatial2DView:
     )
 
 
-def _events(bounds: rrb.VisualBounds2D) -> rrb.Spatial2DView:
+def _events(bounds: rrb.VisualBounds2D, over: tuple[str, ...] = ()) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         name=f"Events of the last {EVENT_WINDOW_S * 1e3:.0f} ms: ON red, OFF green",
         origin=at.CAMERA,
-        contents=[at.EVENTS],
+        contents=[at.EVENTS, *over],
         background=(0, 0, 0),
         visual_bounds=bounds,
         time_ranges=rrb.VisibleTimeRange(
@@ -100,7 +114,7 @@ def _map(
 
 
 def _responses() -> rrb.TimeSeriesView:
-    return _plot("Response of the fly", at.RESPONSE, axis_y=rrb.ScalarAxis(range=(-1.1, 1.1)))
+    return _plot("Response of the detector", at.RESPONSE, axis_y=rrb.ScalarAxis(range=(-1.1, 1.1)))
 
 
 def _directions() -> rrb.StateTimelineView:

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulator import ApsConfig, ApsFrame, Davis346, SensorConfig
-from emulator.aps import trapezoid_weights
+from emulator import ApsConfig, ApsFrame, Davis346, SensorConfig, SensorConfigError
+from emulator.aps_exposure import trapezoid_weights
 from tests.emulator.scenes import flat, luminance_for, noisy, quiet
 
 FIXED = ApsConfig(noise=False, auto_exposure=False, exposure_us=10_000)
@@ -79,7 +79,9 @@ def test_a_moving_edge_is_blurred_over_its_path() -> None:
 
 def test_noise_has_the_variance_of_photons_and_readout() -> None:
     config = replace(
-        SensorConfig(width=64, height=48), aps=replace(FIXED, noise=True), dark_lux=1e-6
+        SensorConfig(width=64, height=48),
+        aps=replace(FIXED, noise=True, fixed_pattern=0.0),
+        dark_lux=1e-6,
     )
     for lux in (2.0, 10.0):
         images = np.stack([f.image for f in watch(config, lux, seconds=0.5)]).astype(float)
@@ -128,3 +130,48 @@ def test_noise_is_seeded() -> None:
     first, second = watch(noisy(), 5.0, seconds=0.2), watch(noisy(), 5.0, seconds=0.2)
     assert all(np.array_equal(a.image, b.image) for a, b in zip(first, second, strict=True))
     assert not np.array_equal(first[0].image, first[1].image)
+
+
+def test_unlike_gains_are_a_pattern_that_stays() -> None:
+    aps = replace(FIXED, noise=True, fixed_pattern=0.05, read_noise_e=0.0)
+    config = replace(SensorConfig(width=64, height=48), aps=aps, dark_lux=1e-6)
+    images = np.stack([f.image for f in watch(config, 10.0, seconds=1.0)]).astype(float)
+    pattern = images.mean(axis=0)
+    assert pattern.std() / pattern.mean() == pytest.approx(0.05, rel=0.1)
+    quiet_gains = replace(aps, noise=False)
+    flat_images = watch(replace(config, aps=quiet_gains), 10.0, seconds=0.1)
+    assert flat_images[0].image.std() == 0.0
+
+
+def test_a_rolling_shutter_leans_a_moving_edge() -> None:
+    """Rows are exposed one after another within the readout, so each sees the edge further on."""
+    aps = replace(FIXED, shutter="rolling", exposure_us=1000, readout_us=12_000)
+    config = quiet(aps=aps, dark_lux=1e-6)
+    sensor, level = Davis346(config, seed=1), luminance_for(80.0, config)
+    frames: list[ApsFrame] = []
+    for t_us in range(0, 26_001, 250):
+        covered = np.clip(2.0 + t_us / 1000.0 - np.arange(16), 0.0, 1.0)
+        frame = np.tile((level * covered).astype(np.float32), (12, 1))
+        frames += sensor.step(t_us, frame).aps_frames
+    first = frames[0]
+    full = FIXED.electrons_per_lux_s * 80.0 * 1e-3 / FIXED.electrons_per_dn
+    edge = first.image.astype(float).sum(axis=1) / full
+    assert first.rolling_us == 11_000
+    assert first.exposure_us == 1000
+    assert edge == pytest.approx(2.5 + np.arange(12), abs=0.02)
+
+
+@pytest.mark.parametrize("step_us", [100, 1000, 30_000])
+def test_rolling_frames_do_not_depend_on_the_steps(step_us: int) -> None:
+    config = quiet(aps=ApsConfig(noise=False, shutter="rolling"))
+    frames = watch(config, 5.0, step_us=step_us)
+    reference = watch(config, 5.0, step_us=500)
+    assert len(frames) > 5
+    for frame, other in zip(frames, reference, strict=False):
+        assert (frame.start_us, frame.end_us) == (other.start_us, other.end_us)
+        assert np.abs(frame.image.astype(int) - other.image).max() <= 1
+
+
+def test_another_shutter_is_refused() -> None:
+    with pytest.raises(SensorConfigError, match="shutter is 'leaf'; allowed is one of global, rol"):
+        ApsConfig(shutter="leaf")  # type: ignore[arg-type]

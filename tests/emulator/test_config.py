@@ -26,6 +26,15 @@ from emulator import ApsConfig, SensorConfig, SensorConfigError
         ("hot_hz_max", 10.0),
         ("shot_noise_scale", "much"),
         ("bandwidth_limit_hz", True),
+        ("follower_hz", -1.0),
+        ("temperature_c", 500.0),
+        ("dark_doubling_k", 0.0),
+        ("leak_doubling_k", -7.0),
+        ("dead_fraction", 2.0),
+        ("crazy_fraction", -0.1),
+        ("crazy_hz_max", 1.0),
+        ("readout_limit_hz", 0.0),
+        ("readout_latency_us", 0.5),
     ],
 )
 def test_a_wrong_value_is_named_in_the_refusal(name: str, value: Any) -> None:
@@ -35,7 +44,13 @@ def test_a_wrong_value_is_named_in_the_refusal(name: str, value: Any) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("exposure_us", 0), ("exposure_max_us", 5), ("target_dn", 700.0), ("saturation_dn", 1024)],
+    [
+        ("exposure_us", 0),
+        ("exposure_max_us", 5),
+        ("target_dn", 700.0),
+        ("saturation_dn", 1024),
+        ("fixed_pattern", -0.1),
+    ],
 )
 def test_a_wrong_aps_value_is_named_in_the_refusal(name: str, value: Any) -> None:
     with pytest.raises(SensorConfigError, match=f"{name} is {value!r}"):

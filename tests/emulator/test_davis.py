@@ -213,3 +213,99 @@ def test_darkness_is_light_too() -> None:
     events, _ = run(Davis346(config, seed=1), [*samples, (5_000_000, flat(0.0, config))])
     assert events["p"].any()
     assert not events["p"].all()
+
+
+def mean_rate(step_us: int, level: float) -> tuple[float, float, float]:
+    """ON and OFF events, and their mean interval, of a smooth scene sampled every `step_us`."""
+    config = noisy(width=48, height=36)
+    x, y = np.meshgrid(np.arange(48), np.arange(36))
+
+    def frame(t_us: int) -> np.ndarray:
+        wave = np.sin(0.35 * x + 0.2 * y - 0.35 * 0.4e-3 * t_us)
+        return (level * np.exp(0.9 * wave)).astype(np.float32)
+
+    times = range(0, 200_001, step_us)
+    events, _ = run(Davis346(config, seed=1), ((t, frame(t)) for t in times))
+    return events["p"].sum(), (~events["p"]).sum(), gaps_us(events).mean()
+
+
+@pytest.mark.parametrize("level", [0.5, 300.0])
+def test_halving_the_step_does_not_change_the_statistics(level: float) -> None:
+    """At 0.4 and 0.2 px a step, by night, where noise rules, and by day."""
+    coarse, fine = mean_rate(1000, level), mean_rate(500, level)
+    assert min(fine[:2]) > 1000
+    for count, other in zip(coarse[:2], fine[:2], strict=True):
+        assert abs(count - other) < 0.01 * other + 3.0 * math.sqrt(other) * 0.5
+    assert coarse[2] == pytest.approx(fine[2], rel=0.03)
+
+
+@pytest.mark.parametrize("level", [0.3, 100.0])
+def test_no_more_events_than_chance_has_it_share_the_time_of_a_frame(level: float) -> None:
+    events, _ = run(Davis346(noisy(), seed=1), moving_texture(2000, level=level))
+    on_frame = np.sum(events["t"] % 1000 == 0)
+    by_chance = events.size / 1000
+    assert events.size > 5000
+    assert on_frame - by_chance < 0.01 * events.size
+    assert on_frame < by_chance + 5.0 * math.sqrt(by_chance)
+
+
+def test_a_long_stream_does_not_grow() -> None:
+    """Ten minutes of stream: as much memory at its end as after its first seconds."""
+    sensor, sizes = Davis346(noisy(), seed=1), []
+    samples = [frame for _, frame in moving_texture(8, level=0.5)]
+    for k in range(6000):
+        sensor.step(k * 100_000, samples[k % 8])
+        if k in (300, 5999):
+            arrays = [*sensor._state, *sensor._work, *sensor._keys]  # type: ignore[misc]
+            arrays += [*sensor._arbiter._queue, sensor._arbiter._granted]  # type: ignore[union-attr]
+            sizes.append(sum(array.nbytes for array in arrays))
+    assert sizes[0] == sizes[1]
+
+
+def test_state_takes_less_than_forty_bytes_a_pixel() -> None:
+    """Mismatch, drawn once, is not state: 12 bytes a pixel."""
+    sensor = Davis346(SensorConfig(), seed=1)
+    sensor.step(0, np.ones((260, 346), np.float32))
+    assert sensor._state is not None
+    held = sum(array.nbytes for array in sensor._state) / (346 * 260)
+    assert held - 12 < 37
+    assert held - 12 + sensor._arbiter._queue.waits.nbytes / (346 * 260) < 40  # type: ignore[union-attr]
+
+
+def test_the_chip_grows_noisier_with_heat() -> None:
+    """Junction leak and dark current double every 7 K."""
+    warm, cool = noisy(temperature_c=46.0), noisy()
+    assert warm.warm_leak_hz == pytest.approx(8.0 * cool.warm_leak_hz)
+    assert warm.warm_dark_lux == pytest.approx(8.0 * cool.warm_dark_lux)
+    bare = quiet(leak_hz=1.0)
+    counts = []
+    for config in (bare, replace(bare, temperature_c=32.0)):
+        frame = flat(1.0, config)
+        samples = ((t, frame) for t in range(0, 5_000_001, 50_000))
+        counts.append(run(Davis346(config, seed=1), samples)[0].size)
+    assert counts[1] == pytest.approx(2 * counts[0], rel=0.02)
+
+
+def test_heat_hides_contrast_in_the_dark() -> None:
+    """Dark current adds to the photocurrent, so a change of light is a smaller change of it."""
+    counts = []
+    for celsius in (25.0, 60.0):
+        config = quiet(temperature_c=celsius)
+        low, high = (flat(luminance_for(lux, config), config) for lux in (0.05, 0.5))
+        events, _ = run(Davis346(config, seed=1), [(0, low), (1000, high), (2_000_000, high)])
+        counts.append(events.size)
+    assert counts[0] > 1.5 * counts[1] > 0
+
+
+def test_dead_pixels_are_silent_and_crazy_ones_fire_both_ways() -> None:
+    config = noisy(dead_fraction=0.3, crazy_fraction=0.3, hot_fraction=0.0, crazy_hz_min=200.0)
+    events, causes = run(Davis346(config, seed=1), moving_texture(1000, level=30.0))
+    pixel = events["y"].astype(int) * WIDTH + events["x"]
+    alive = np.unique(pixel).size / (WIDTH * HEIGHT)
+    assert alive == pytest.approx(0.7, abs=0.1)
+    crazy = events[causes == Cause.HOT]
+    assert np.unique(pixel[causes == Cause.HOT]).size / (WIDTH * HEIGHT) == pytest.approx(
+        0.21, abs=0.08
+    )
+    assert crazy["p"].mean() == pytest.approx(0.5, abs=0.03)
+    assert crazy.size / np.unique(pixel[causes == Cause.HOT]).size == pytest.approx(600, rel=0.15)

@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 1280, 720
 def test_keys_come_back_as_sorted_events(items: list[tuple[float, int, int]]) -> None:
     keys = np.array([make_key(t, MAX_STEP_US, pixel, mark) for t, pixel, mark in items], np.int64)
     start_us = 36_000_000_000
-    events, causes = unpack_keys(keys, start_us=start_us, width=WIDTH)
+    events, causes = unpack_keys(np.sort(keys), start_us=start_us, width=WIDTH)
     check_events(events, width=WIDTH, height=HEIGHT)
     expected = sorted((int(np.ceil(t)), pixel, mark) for t, pixel, mark in items)
     found = [

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from emulator import Cause, Davis346, SensorConfig
-from emulator.noise import exponential, leak_drift, noise_law, shot_rates, uniform
+from emulator.noise import draw_gaussians, exponential, leak_drift, noise_law, shot_rates, uniform
 from tests.emulator.scenes import flat, gaps_us, luminance_for, run
 
 SEED = np.uint64(12345)
@@ -122,3 +122,22 @@ def test_noise_resets_the_pixel() -> None:
 
     assert signals(calm) >= 3072
     assert signals(storm) < 100
+
+
+def test_gaussians_are_gaussian_and_independent() -> None:
+    drawn = np.empty(400_001, np.float32)
+    draw_gaussians(SEED, np.uint64(0), drawn)
+    wide = drawn.astype(np.float64)
+    assert abs(wide.mean()) < 0.006
+    assert wide.std() == pytest.approx(1.0, abs=0.004)
+    assert abs(np.mean(wide**3)) < 0.02
+    assert np.mean(wide**4) == pytest.approx(3.0, abs=0.06)
+    for sigmas, share in ((1.0, 0.31731), (2.0, 0.0455), (3.0, 0.0027)):
+        assert np.mean(np.abs(wide) > sigmas) == pytest.approx(share, rel=0.1)
+    for lag in (1, 2, 346, 200_000):
+        assert abs(np.mean(wide[lag:] * wide[:-lag])) < 0.01
+    other, later = np.empty(1000, np.float32), np.empty(1000, np.float32)
+    draw_gaussians(np.uint64(7), np.uint64(0), other)
+    draw_gaussians(SEED, np.uint64(10**6), later)
+    assert abs(np.corrcoef(wide[:1000], other)[0, 1]) < 0.15
+    assert abs(np.corrcoef(wide[:1000], later)[0, 1]) < 0.15

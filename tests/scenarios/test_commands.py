@@ -1,13 +1,17 @@
 """The small commands: doctor, view, and what a sweep prints."""
 
+import csv
+import json
 from pathlib import Path
 
 import pytest
 
 from scenarios import doctor, view
 from scenarios.config import RunConfig
+from scenarios.demo import Demo
 from scenarios.doctor import Doctor
 from scenarios.errors import ScenarioError
+from scenarios.methods import MethodError
 from scenarios.output import RECORDING
 from scenarios.report import print_runs
 from scenarios.run import Run
@@ -88,11 +92,45 @@ def test_parameters_have_dotted_names() -> None:
     assert parameters["seed"] == 3
 
 
-def test_a_sweep_prints_truth_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
-    assert VelocitySweep(omegas=(2.42,), step_px=8.0).execute() == 0
+def test_a_sweep_prints_truth_and_estimate_and_writes_what_it_is_asked_to(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    sweep = VelocitySweep(omegas=(2.42,), step_px=8.0, supersample=1, seeds=2, out=out)
+    assert sweep.execute() == 0
     said = capsys.readouterr().out
-    assert "2.42" in said
-    assert said.count("right") >= 4  # two columns, truth, verdict
+    for words in ("2.42", "right", "moving right, method fly, seeds: 2"):
+        assert words in said
+    assert {path.name for path in out.iterdir()} == {
+        "velocities.csv",
+        "grms.png",
+        "grms.svg",
+        "summary.json",
+    }
+    with (out / "velocities.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["seed"] for row in rows] == ["0", "1"]
+    assert {(row["direction"], row["method"], row["truth"]) for row in rows} == {
+        ("right", "fly", "right")
+    }
+    assert len({row["grms"] for row in rows}) == 2  # one light, two sensors
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["spearman"] == {"day": {"0": None, "1": None}}
+
+
+@pytest.mark.parametrize("seeds", [0, 101])
+def test_a_sweep_of_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
+    with pytest.raises(ScenarioError, match=f"--seeds is {seeds}; allowed is 1 to 100"):
+        VelocitySweep(seeds=seeds).execute()
+
+
+@pytest.mark.parametrize("command", [VelocitySweep, Run, Demo])
+def test_an_unknown_method_is_refused_before_anything_is_drawn(
+    command: type[VelocitySweep | Run | Demo], tmp_path: Path
+) -> None:
+    with pytest.raises(MethodError, match="'bee'; allowed is fly"):
+        command(method="bee", out=tmp_path / "out").execute()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
@@ -111,12 +149,15 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
                 "off": 234567,
                 "by_cause": {"signal": 1234560, "leak": 5, "shot": 1, "hot": 1},
             },
-            "fly": {
+            "detector": {
+                "method": "mine:Own",
                 "direction": "right",
                 "accuracy": 0.9,
                 "accuracy_after_100ms": None,
                 "steps_in_view": 100,
                 "latency_ms": latency_ms,
+                "roi_iou": 0.42,
+                "centroid_error_px": None,
                 "grms": 1.5,
             },
             "wall_s": {"render": 1.0, "emulate": 2.0, "total": 3.5},
@@ -126,6 +167,8 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
     said = capsys.readouterr().out
     for words in (
         "1,234,567",
+        "mine:Own",
+        "42 %",
         "50 ms after entering",
         "never",
         "no step",

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.errors import OutputError
-from scenarios.output import GENERATOR, check_output, whole_folder
+from scenarios.output import GENERATOR, check_output, whole_folder, write_summary
 
 
 def test_a_folder_appears_whole(tmp_path: Path) -> None:
@@ -73,6 +73,23 @@ def test_a_link_to_a_folder_is_followed(tmp_path: Path) -> None:
         (work / "summary.json").write_text(json.dumps({"generator": GENERATOR}))
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real" / "summary.json").exists()
+
+
+def test_what_a_command_lists_in_its_summary_is_its_own(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with whole_folder(out) as work:
+        (work / "map.png").write_text("1")
+        write_summary(work, {"command": "envelope"})
+    check_output(out)
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary == {
+        "generator": GENERATOR,
+        "command": "envelope",
+        "files": ["map.png", "summary.json"],
+    }
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(OutputError, match="was not written by flybench"):
+        check_output(out)
 
 
 def test_an_earlier_run_with_something_added_is_refused(tmp_path: Path) -> None:

@@ -1,14 +1,18 @@
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 import rerun as rr
+import rerun.blueprint as rrb
 
 from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyMaps
 from emulator import ApsFrame, Cause
 from scenarios.recording import Recorder
+from scenarios.recording.blueprint import blueprint
 from scenarios.recording.entities import MOTION, SALIENCY, SURFACE_OFF, SURFACE_ON
 from scenarios.recording.event_batches import class_id
 from sim import Crossing, CrossingConfig, GroundTruth, project
@@ -204,6 +208,23 @@ def test_parameters_are_properties_of_the_recording(reading: Reading) -> None:
 def test_there_is_one_time_line_and_one_blueprint(path: Path, reading: Reading) -> None:
     assert {name for chunk in reading.chunks for name in chunk.timeline_names} == {"time"}
     assert len(rr.chunk.RrdReader(path).blueprints()) == 1
+
+
+def test_without_maps_their_views_are_not_there(crossing: Crossing) -> None:
+    def names(*, has_maps: bool) -> str:
+        return str(list(_views(blueprint(crossing, has_maps=has_maps).root_container)))
+
+    assert "ON surface" in names(has_maps=True)
+    assert "surface" not in names(has_maps=False)
+    assert "Events of the last" in names(has_maps=False)
+
+
+def _views(container: Any) -> Iterator[str]:
+    for part in container.contents:
+        if hasattr(part, "contents") and not isinstance(part, rrb.View):
+            yield from _views(part)
+        else:
+            yield str(part.name)
 
 
 def test_nothing_logged_still_makes_a_whole_file(crossing: Crossing, tmp_path: Path) -> None:

@@ -1,0 +1,97 @@
+"""Both thresholds from a known modulation of the light.
+
+While the light's logarithm climbs or falls at a steady rate, so does the photoreceptor's output,
+and between two consecutive events of a pixel it has gone by one threshold exactly. What it was at
+the events is known, since the light is; a constant lag cancels. Leak helps it along on the way up
+and holds it back on the way down, by its drift times the interval.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from emulator.characterisation.background import hot_pixels
+from emulator.characterisation.bench import counts
+from emulator.events import Events, check_events
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Thresholds of the healthy pixels of an array.
+
+    Attributes:
+        theta_on: mean ON threshold [ln units], None where no pixel shows it.
+        theta_off: mean OFF threshold, positive [ln units], likewise.
+        mismatch_on: standard deviation of the ON threshold over pixels [ln units], likewise.
+        mismatch_off: that of the OFF threshold [ln units], likewise.
+    """
+
+    theta_on: float | None
+    theta_off: float | None
+    mismatch_on: float | None
+    mismatch_off: float | None
+
+
+def fit_ramps(
+    events: Events,
+    *,
+    width: int,
+    height: int,
+    t_us: npt.ArrayLike,
+    log_light: npt.ArrayLike,
+    leak_drift_per_s: float = 0.0,
+) -> Thresholds:
+    """Estimate both thresholds from slow ramps of light that the whole array sees.
+
+    Assumes light well above the dark current (or its logarithm with the dark current included),
+    ramps slow against the photoreceptor, and noise that is rarer than the signal: a pixel's
+    threshold is the median over its pairs of events.
+
+    Args:
+        events: sorted by t.
+        width: columns of the sensor [px].
+        height: rows of the sensor [px].
+        t_us: (n,) rising times of the corners of the modulation [µs].
+        log_light: (n,) logarithm of the light there; straight in between [ln units].
+        leak_drift_per_s: drift of the memorised value by leak [ln units/s].
+
+    Returns:
+        Means and standard deviations over the pixels.
+
+    Raises:
+        EventError: the events are no sorted stream from such a sensor.
+    """
+    check_events(events, width=width, height=height)
+    times, light = np.asarray(t_us, np.float64), np.asarray(log_light, np.float64)
+    healthy = ~hot_pixels(counts(events, (height, width)))
+    kept = events[healthy[events["y"], events["x"]]]
+    ordered = kept[np.lexsort((kept["t"], kept["x"], kept["y"]))]
+    pixel = ordered["y"].astype(np.int64) * width + ordered["x"]
+    ramp = np.searchsorted(times, ordered["t"], side="left")
+    pair = (np.diff(pixel) == 0) & (np.diff(ramp) == 0) & (ordered["p"][1:] == ordered["p"][:-1])
+    gone = np.diff(np.interp(ordered["t"], times, light))
+    gone += leak_drift_per_s * 1e-6 * np.diff(ordered["t"])
+    on = ordered["p"][1:]
+    up = _per_pixel(pixel[1:][pair & on], gone[pair & on])
+    down = _per_pixel(pixel[1:][pair & ~on], -gone[pair & ~on])
+    return Thresholds(_mean(up), _mean(down), _spread(up), _spread(down))
+
+
+def _per_pixel(pixel: npt.NDArray[np.int64], step: Floats) -> Floats:
+    """Median step of each pixel that has one."""
+    order = np.argsort(pixel, kind="stable")
+    _, first = np.unique(pixel[order], return_index=True)
+    return np.array([np.median(part) for part in np.split(step[order], first[1:]) if part.size])
+
+
+def _mean(values: Floats) -> float | None:
+    return float(values.mean()) if values.size else None
+
+
+def _spread(values: Floats) -> float | None:
+    return float(values.std()) if values.size else None

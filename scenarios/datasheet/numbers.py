@@ -1,0 +1,76 @@
+"""The data sheet as JSON: every figure and every curve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from emulator import SensorConfig
+from emulator.characterisation import Plot, Quantity, Section, Series
+from scenarios.output import GENERATOR
+
+
+def as_dict(
+    sections: Mapping[str, Section],
+    *,
+    config: SensorConfig,
+    preset: str,
+    seed: int,
+    versions: Mapping[str, str],
+) -> dict[str, Any]:
+    """The data sheet as plain lists, strings and finite numbers."""
+    return {
+        "generator": GENERATOR,
+        "preset": preset,
+        "seed": seed,
+        "versions": dict(versions),
+        "sensor": asdict(config),
+        "sections": {name: _section(section) for name, section in sections.items()},
+    }
+
+
+def _section(section: Section) -> dict[str, Any]:
+    return {
+        "title": section.title,
+        "method": section.method,
+        "figures": [_quantity(quantity) for quantity in section.quantities],
+        "plots": [_plot(plot) for plot in section.plots],
+    }
+
+
+def _quantity(quantity: Quantity) -> dict[str, Any]:
+    published = quantity.published
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "measured": _finite(quantity.measured),
+        "published": None if published is None else published.value,
+        "difference": _finite(quantity.difference),
+        "source": None if published is None else published.source,
+        "note": quantity.note,
+    }
+
+
+def _plot(plot: Plot) -> dict[str, Any]:
+    return {
+        "title": plot.title,
+        "x": plot.x_label,
+        "y": plot.y_label,
+        "series": [_series(series) for series in plot.series],
+    }
+
+
+def _series(series: Series) -> dict[str, Any]:
+    return {
+        "label": series.label,
+        "style": series.style.value,
+        "x": [_finite(value) for value in series.x.tolist()],
+        "y": [_finite(value) for value in series.y.tolist()],
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    """A number that JSON has; None for NaN and infinities."""
+    return value if value is not None and math.isfinite(value) else None

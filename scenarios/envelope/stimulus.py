@@ -1,0 +1,96 @@
+"""One drawn stimulus, fully specified: a textured target that crosses a textured background."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from detector.estimate import Direction
+from scenarios.errors import ScenarioError
+
+CARDINAL = (Direction.RIGHT, Direction.LEFT, Direction.UP, Direction.DOWN)
+
+
+class Background(StrEnum):
+    """What moves besides the target."""
+
+    STILL = "still"
+    SHAKE = "shake"
+    WIND = "wind"
+    DISTRACTOR = "distractor"
+
+
+class Surface(StrEnum):
+    """What the target is painted with."""
+
+    PANELS = "panels"
+    SALOON = "saloon"
+    PLAIN = "plain"
+    STRIPES = "stripes"
+
+
+_RANGES = {
+    "speed_px_s": (1.0, 20_000.0),
+    "noise_hz": (0.0, 1_000.0),
+    "contrast": (0.0, 3.0),
+    "length_px": (4, 1_000),
+    "seed": (0, 2**32 - 1),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stimulus:
+    """What the drawn scene shows, and how noisy the pixels are.
+
+    The defaults are the base point of the envelope, from which one factor at a time is changed.
+
+    Attributes:
+        speed_px_s: image speed of the target [px/s].
+        noise_hz: Poisson events of either polarity, by pixel [Hz]. 1: between the published 0.1
+            at 161 lux and 10 at 0.1 lux.
+        contrast: standard deviation of the target's log luminance; of a plain one, its height over
+            the street's. Assumed: 0.8, somewhat below the 1.05 measured over the pixels of the
+            simulated car by day.
+        direction: where the target goes in the image.
+        length_px: the target's length along its way; it is two fifths of that high [px]. Assumed:
+            120; the simulated car has 210 at the paper's distance.
+        surface: panels of several sizes all over, a car with few edges, nothing but a rim, or
+            stripes across the way.
+        background: what else moves.
+        seed: of texture, place, background, pixels and noise.
+        width: sensor columns [px].
+        height: sensor rows [px].
+
+    Raises:
+        ScenarioError: a value is outside its range, or the direction is none.
+    """
+
+    speed_px_s: float = 350.0
+    noise_hz: float = 1.0
+    contrast: float = 0.8
+    direction: Direction = Direction.RIGHT
+    length_px: int = 120
+    surface: Surface = Surface.PANELS
+    background: Background = Background.STILL
+    seed: int = 0
+    width: int = 346
+    height: int = 260
+
+    @property
+    def height_px(self) -> int:
+        """The target's extent across its way [px]."""
+        return max(2, round(0.4 * self.length_px))
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in _RANGES.items():
+            value = getattr(self, name)
+            if not low <= value <= high:  # NaN too is not between
+                raise ScenarioError(
+                    f"{name} of a drawn stimulus is {value}; allowed is {low:g} to {high:g}; "
+                    "choose one in that range"
+                )
+        if self.direction not in CARDINAL:
+            raise ScenarioError(
+                f"the direction of a drawn stimulus is {self.direction.value!r}; allowed is right, "
+                "left, up or down; a target that goes nowhere has no direction to be judged on"
+            )

@@ -1,0 +1,109 @@
+"""From a static recording back to the sensor that made it, to within 10 %."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emulator import EVENT_DTYPE, EventError, SensorConfig, empty_events
+from emulator.characterisation.bench import (
+    Recording,
+    chip_luminance,
+    record,
+    resized,
+    static_samples,
+    uniform,
+)
+from emulator.characterisation.static_fit import StaticFit, fit_static
+from emulator.noise import SHOT_LUX, SHOT_OFF_HZ, SHOT_ON_PER_OFF
+
+SIDE_PX = 32
+DRIFT_PER_S = 0.018
+"""What the junction does to the memorised value in the dark, whatever the threshold."""
+
+
+def expected_shot_off_hz(lux: float, dark_lux: float) -> float:
+    low, high = (np.log(x + dark_lux) for x in SHOT_LUX)
+    power = np.log(SHOT_OFF_HZ[1] / SHOT_OFF_HZ[0]) / (high - low)
+    return float(SHOT_OFF_HZ[0] * np.exp(power * (np.log(lux + dark_lux) - low)))
+
+
+def recording_of(config: SensorConfig, *, lux: float, duration_s: float) -> Recording:
+    sensor = resized(config, width=SIDE_PX, height=SIDE_PX)
+    light = uniform(sensor, chip_luminance(sensor, lux))
+    return record(sensor, static_samples(light, duration_s=duration_s), seed=7)
+
+
+def fit(recording: Recording, drift_per_s: float | None = None) -> StaticFit:
+    return fit_static(
+        recording.events,
+        width=SIDE_PX,
+        height=SIDE_PX,
+        end_us=recording.duration_us,
+        leak_drift_per_s=drift_per_s,
+    )
+
+
+@pytest.mark.parametrize("theta_on", [0.12, 0.18, 0.3])
+@pytest.mark.parametrize("lux", [20.0, 300.0])
+def test_threshold_leak_and_shot_noise_are_recovered(theta_on: float, lux: float) -> None:
+    config = replace(
+        SensorConfig(),
+        theta_on=theta_on,
+        theta_mismatch=0.025,
+        leak_hz=DRIFT_PER_S / theta_on,
+        leak_hz_per_lux=0.0,
+        shot_noise_scale=3.0,
+    )
+    found = fit(recording_of(config, lux=lux, duration_s=400.0), DRIFT_PER_S)
+    shot_off_hz = 3.0 * expected_shot_off_hz(lux, config.dark_lux)
+    assert found.theta_on == pytest.approx(theta_on, rel=0.1)
+    assert found.theta_mismatch == pytest.approx(0.025, rel=0.1)
+    assert found.leak_hz == pytest.approx(DRIFT_PER_S / theta_on, rel=0.1)
+    assert found.shot_off_hz == pytest.approx(shot_off_hz, rel=0.1)
+    assert found.shot_on_hz == pytest.approx(SHOT_ON_PER_OFF * shot_off_hz, rel=0.1)
+
+
+def test_in_dim_light_shot_noise_is_all_there_is_to_find() -> None:
+    found = fit(recording_of(SensorConfig(), lux=0.1, duration_s=20.0), DRIFT_PER_S)
+    assert found.shot_off_hz == pytest.approx(4.2, rel=0.05)
+    assert found.shot_on_hz == pytest.approx(5.5, rel=0.05)
+    assert found.leak_hz is None
+    assert found.theta_on is None
+    assert found.relative_mismatch is None
+
+
+def test_without_the_drift_the_mismatch_is_relative() -> None:
+    found = fit(recording_of(SensorConfig(), lux=1000.0, duration_s=200.0))
+    assert found.theta_on is None
+    assert found.relative_mismatch == pytest.approx(0.035 / 0.18, rel=0.1)
+
+
+def test_hot_pixels_are_left_out() -> None:
+    config = replace(SensorConfig(), hot_fraction=0.01)
+    found = fit(recording_of(config, lux=100.0, duration_s=100.0), DRIFT_PER_S)
+    assert 0.004 < found.hot_share < 0.02
+    assert found.theta_on == pytest.approx(0.18, rel=0.1)
+    assert found.shot_on_hz < 0.01
+
+
+def test_rare_events_are_not_overrated() -> None:
+    rng = np.random.default_rng(2)
+    pixels, rate_hz, end_s = 10_000, 0.05, 20.0
+    n = rng.poisson(pixels * rate_hz * end_s)
+    events = np.zeros(n, EVENT_DTYPE)
+    events["t"] = np.sort(rng.uniform(0.0, end_s * 1e6, n)).astype(int)
+    events["x"], events["y"] = rng.integers(0, 100, (2, n))
+    found = fit_static(events, width=100, height=100, end_us=round(end_s * 1e6))
+    assert found.shot_off_hz == pytest.approx(rate_hz, rel=0.05)
+
+
+def test_silence_is_silence() -> None:
+    found = fit_static(empty_events(), width=4, height=4, end_us=1_000_000)
+    assert found == StaticFit(0.0, 0.0, None, None, None, None, 0.0)
+
+
+def test_events_of_another_sensor_are_refused() -> None:
+    events = recording_of(SensorConfig(), lux=0.1, duration_s=1.0).events
+    with pytest.raises(EventError, match="allowed is 0 to 3"):
+        fit_static(events, width=4, height=4, end_us=1_000_000)

@@ -1,0 +1,92 @@
+import numpy as np
+import pytest
+
+from detector.estimate import Direction
+from scenarios.envelope.scene import FARTHER, LEAD_S, WATCH_S, make_scene
+from scenarios.envelope.stimulus import CARDINAL, Background, Stimulus, Surface
+
+VELOCITY: dict[Direction, tuple[int, int]] = {
+    Direction.RIGHT: (1, 0),
+    Direction.LEFT: (-1, 0),
+    Direction.UP: (0, -1),
+    Direction.DOWN: (0, 1),
+}
+
+
+@pytest.mark.parametrize("direction", CARDINAL)
+def test_the_target_moves_as_asked(direction: Direction) -> None:
+    scene = make_scene(Stimulus(speed_px_s=400, direction=direction))
+    times_us = np.array([300_000.0, 400_000.0])
+    before, after = scene.corners_px(times_us)[:, -1]
+    np.testing.assert_allclose(after - before, 40 * np.array(VELOCITY[direction]))
+
+
+def test_a_target_enters_after_the_lead_and_leaves_at_the_end() -> None:
+    scene = make_scene(Stimulus(speed_px_s=466))
+    assert scene.duration_us == round((LEAD_S + 1) * 1e6)
+    times_us = np.array([LEAD_S * 1e6 - 10, LEAD_S * 1e6 + 10_000, scene.duration_us - 10_000])
+    out, entering, leaving = scene.target_px(times_us)
+    assert out[0] == out[2] == 0
+    assert entering[[0, 2]] == pytest.approx([0, 4.66])
+    assert leaving[[0, 2]] == pytest.approx([346 - 4.66, 346])
+
+
+def test_of_a_slow_crossing_the_middle_is_shown() -> None:
+    scene = make_scene(Stimulus(speed_px_s=40, direction=Direction.DOWN))
+    assert scene.duration_us == round((LEAD_S + WATCH_S) * 1e6)
+    middle = scene.target_px(np.array([(LEAD_S + WATCH_S / 2) * 1e6]))[0]
+    assert (middle[1] + middle[3]) / 2 == pytest.approx(130)
+    assert middle[3] - middle[1] == pytest.approx(120)
+    assert middle[2] - middle[0] == pytest.approx(48)
+
+
+def test_a_distractor_goes_the_other_way_beside_the_target() -> None:
+    scene = make_scene(Stimulus(speed_px_s=300, background=Background.DISTRACTOR))
+    assert len(scene.layers) == 2
+    times_us = np.array([0.0, 1e6])
+    corners = scene.corners_px(times_us)
+    way = corners[1] - corners[0]
+    np.testing.assert_allclose(way, np.array([[-300 * FARTHER, 0], [300, 0]]))
+    (_, y), (_, y_target) = corners[0]
+    other, target = scene.layers[0].size_px, scene.layers[1].size_px
+    assert y + other[1] < y_target or y > y_target + target[1]
+
+
+def test_a_shake_moves_everything_alike() -> None:
+    still = make_scene(Stimulus(seed=3))
+    shaken = make_scene(Stimulus(seed=3, background=Background.SHAKE))
+    times_us = np.linspace(0, 1e6, 50)
+    camera_px = shaken.camera_px(times_us)
+    assert abs(camera_px).max() > 1
+    np.testing.assert_allclose(
+        shaken.corners_px(times_us)[:, -1] - still.corners_px(times_us)[:, -1], camera_px
+    )
+    assert shaken.margin_px >= abs(camera_px).max() + 1
+    assert (still.camera_px(times_us) == 0).all()
+
+
+def test_trees_sway_about_their_places_beside_the_way() -> None:
+    scene = make_scene(Stimulus(background=Background.WIND))
+    corners = scene.corners_px(np.linspace(0, 1.7e6, 100))
+    trees, target = corners[:, :-1], corners[:, -1]
+    assert 0.5 < np.ptp(trees, axis=0).max() < 20
+    for n, layer in enumerate(scene.layers[:-1]):
+        below = trees[:, n, 1].min() > target[0, 1] + 48 - 15
+        above = (trees[:, n, 1] + layer.size_px[1]).max() < target[0, 1] + 15
+        assert below or above
+
+
+@pytest.mark.parametrize("surface", Surface)
+def test_a_mirrored_target_is_painted_mirrored(surface: Surface) -> None:
+    right, left, up, down = (
+        make_scene(Stimulus(direction=d, surface=surface)).layers[-1].paint for d in CARDINAL
+    )
+    np.testing.assert_array_equal(left, right[:, ::-1])
+    np.testing.assert_array_equal(down, right.T)
+    np.testing.assert_array_equal(up, right.T[::-1])
+
+
+def test_the_seed_changes_texture_and_place() -> None:
+    one, other = make_scene(Stimulus(seed=1)), make_scene(Stimulus(seed=2))
+    assert not np.array_equal(one.layers[-1].paint, other.layers[-1].paint)
+    assert one.layers[-1].middle_px != other.layers[-1].middle_px

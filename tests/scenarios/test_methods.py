@@ -1,0 +1,152 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from detector.fly import FlyDetector
+from detector.fly_config import FlyConfig
+from emulator import ApsFrame, empty_events
+from scenarios.config import RunConfig
+from scenarios.errors import ScenarioError
+from scenarios.methods import FLY_PRESETS, MethodError, find_method, read
+from tests.scenarios.drawn_events import events_at
+
+DETECTORS = """
+from detector.estimate import Direction, MotionEstimate
+
+class Good:
+    def __init__(self, *, width, height):
+        self.size = width, height
+    def push(self, events):
+        return []
+    def advance(self, t_us):
+        return [MotionEstimate(t_us, 0.0, 0.0, Direction.NONE, 0.0, (0.0, 0.0), (0.0, 0.0), None)]
+
+class NoAdvance:
+    def push(self, events): ...
+
+class Greedy(Good):
+    def __init__(self, gain, *, width, height): ...
+
+class Breaking(Good):
+    def __init__(self, *, width, height):
+        raise ZeroDivisionError("no room")
+
+class Silent(Good):
+    def advance(self, t_us):
+        return None
+
+class Wordy(Good):
+    def push(self, events):
+        return ["right"]
+
+class Watcher(Good):
+    def __init__(self, *, width, height):
+        self.seen = []
+    def push(self, events):
+        self.seen += events["t"].tolist()
+        return []
+    def push_frame(self, t_us, frame):
+        self.seen.append((t_us, int(frame[0, 0])))
+        return []
+
+def function(*, width, height): ...
+"""
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "some_detectors.py").write_text(DETECTORS)
+    (tmp_path / "broken.py").write_text("import some_library_that_is_not_there\n")
+    (tmp_path / "misspelt.py").write_text("def f(:\n")
+    monkeypatch.syspath_prepend(tmp_path)
+
+
+@pytest.mark.parametrize("name", list(FLY_PRESETS))
+def test_the_fly_goes_by_the_names_of_its_presets(name: str) -> None:
+    fly = find_method(name).make(width=346, height=260)
+    assert isinstance(fly, FlyDetector)
+    assert fly.config == FLY_PRESETS[name]
+    assert RunConfig(method=name).fly == FLY_PRESETS[name]
+
+
+def test_fly_and_wide_are_the_papers_and_the_wide_preset() -> None:
+    assert FLY_PRESETS["fly"] == FlyConfig()
+    assert FLY_PRESETS["wide"] == FlyConfig.preset("wide") != FlyConfig()
+
+
+def test_a_users_class_is_made_for_the_sensors_size() -> None:
+    method = find_method("some_detectors:Good")
+    assert method.name == "some_detectors:Good"
+    assert method.make(width=64, height=48).size == (64, 48)  # type: ignore[attr-defined]
+    assert RunConfig(method="some_detectors:Good").fly is None
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("bee", ("'bee'", "fly, wide", "package.module:Class")),
+        ("some_detectors", ("'some_detectors'", "package.module:Class")),
+        ("some_detectors:", ("package.module:Class",)),
+        ("nowhere:Good", ("there is no nowhere", "PYTHONPATH")),
+        ("nowhere.deeper:Good", ("there is no nowhere",)),
+        ("some_detectors.deeper:Good", ("there is no some_detectors.deeper",)),
+        ("broken:Good", ("broken", "cannot be imported", "some_library_that_is_not_there", "line")),
+        ("misspelt:Good", ("misspelt", "cannot be imported", "SyntaxError")),
+        ("some_detectors:Bad", ("no class Bad", "it offers Good")),
+        ("some_detectors:NoAdvance", ("has no method advance", "it offers Good")),
+        ("some_detectors:function", ("has no method push or advance",)),
+        ("some_detectors:Direction", ("has no method",)),
+        ("some_detectors:Greedy", ("Greedy(width=346, height=260)", "'gain'")),
+    ],
+)
+def test_a_method_that_is_not_there_is_refused_in_a_sentence(
+    name: str, words: tuple[str, ...]
+) -> None:
+    with pytest.raises(MethodError) as refused:
+        find_method(name)
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_a_detector_that_cannot_be_made_says_why_and_where() -> None:
+    make = find_method("some_detectors:Breaking").make
+    with pytest.raises(MethodError, match=r"ZeroDivisionError: no room \(some_detectors.py, line"):
+        make(width=346, height=260)
+
+
+def test_reading_is_pushing_and_advancing() -> None:
+    detector = find_method("some_detectors:Good").make(width=346, height=260)
+    (estimate,) = read(detector, empty_events(), until_us=70)
+    assert estimate.t_us == 70
+
+
+def test_frames_come_between_the_events_before_and_after_them() -> None:
+    watcher = find_method("some_detectors:Watcher").make(width=346, height=260)
+    frames = [ApsFrame(0, end, np.full((2, 2), end, np.uint16)) for end in (20, 30)]
+    read(watcher, events_at(10, 19, 20, 40), until_us=50, frames=frames)
+    assert watcher.seen == [10, 19, (20, 20), 20, (30, 30), 40]  # type: ignore[attr-defined]
+    without = find_method("some_detectors:Good").make(width=346, height=260)
+    assert len(read(without, events_at(10), until_us=50, frames=frames)) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("Silent", "Silent.advance returned NoneType"), ("Wordy", "a list of str")]
+)
+def test_an_answer_that_is_no_estimate_is_refused(name: str, words: str) -> None:
+    detector = find_method(f"some_detectors:{name}").make(width=346, height=260)
+    with pytest.raises(MethodError, match=words):
+        read(detector, empty_events(), until_us=70)
+
+
+def test_the_flys_parameters_are_for_the_fly_alone() -> None:
+    with pytest.raises(ScenarioError, match="has parameters of the fly"):
+        RunConfig(method="some_detectors:Good", fly=FlyConfig())
+    assert "fly.tau_us" in RunConfig().parameters()
+    assert RunConfig(method="some_detectors:Good").parameters()["fly"] is None
+
+
+def test_a_runs_name_tells_the_method() -> None:
+    assert RunConfig().name.endswith("seed0")
+    assert RunConfig(method="wide").name.endswith("seed0_wide")
+    assert ":" not in RunConfig(method="some_detectors:Good").name

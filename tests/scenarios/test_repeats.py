@@ -1,0 +1,54 @@
+"""One light, many sensors."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from emulator import Davis346, SensorConfig
+from scenarios.config import RunConfig
+from scenarios.methods import read
+from scenarios.pipeline import make_detector
+from scenarios.repeats import run_repeats
+from sim import Crossing, CrossingConfig, Sample
+from sim.truth import ground_truth
+
+CROSSING = Crossing(CrossingConfig())
+
+
+def samples() -> Iterator[Sample]:
+    """A bright bar that goes right in 150 ms, drawn."""
+    for k in range(100):
+        light = np.full((260, 346), 100.0, np.float32)
+        mask = np.zeros((260, 346), np.bool_)
+        mask[100:160, 2 * k : 2 * k + 60] = True
+        light[mask] = 300.0
+        t_us = 1_500 * k
+        truth = ground_truth(
+            CROSSING.scene,
+            CROSSING.trajectory,
+            CROSSING.intrinsics,
+            t_us=t_us,
+            t_s=CROSSING.seconds(t_us),
+            mask=mask,
+        )
+        yield Sample(t_us, light, truth, changed=(0, 0, 346, 260))
+
+
+def test_every_seed_sees_what_it_would_see_alone() -> None:
+    config = RunConfig(sensor=SensorConfig())
+    together, track = run_repeats(config, samples(), (3, 8))
+    assert track.in_view_us == (0, 99 * 1_500)
+    assert track.box_px(15_000) == (20, 100, 80, 160)
+    for seed, said in zip((3, 8), together, strict=True):
+        sensor, detector, alone = Davis346(config.sensor, seed=seed), make_detector(config), []
+        for sample in samples():
+            events = sensor.step(sample.t_us, sample.luminance).events
+            alone += read(detector, events, until_us=sample.t_us + 1)
+        assert said == alone
+    assert together[0] != together[1]
+
+
+def test_progress_is_told() -> None:
+    told: list[int] = []
+    run_repeats(RunConfig(), samples(), (0,), told.append)
+    assert told == [1_500 * k for k in range(100)]
