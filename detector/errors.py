@@ -22,3 +22,7 @@ class EventOrderError(DetectorError, EventError):
 
 class StateError(DetectorError):
     """A saved state that does not belong to this detector."""
+
+
+class FrameError(DetectorError):
+    """What was passed is no frame of this sensor."""

@@ -7,6 +7,7 @@ from typing import Annotated
 from tyro.conf import subcommand
 
 from scenarios.characterise import Characterise
+from scenarios.converge import Converge
 from scenarios.demo import Demo
 from scenarios.doctor import Doctor
 from scenarios.envelope.command import Envelope
@@ -21,6 +22,7 @@ Commands = (
     | Annotated[VelocitySweep, subcommand("velocity-sweep")]
     | Annotated[Envelope, subcommand("envelope")]
     | Annotated[Characterise, subcommand("characterise")]
+    | Annotated[Converge, subcommand("converge")]
     | Annotated[View, subcommand("view")]
     | Annotated[Doctor, subcommand("doctor")]
 )

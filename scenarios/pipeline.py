@@ -12,7 +12,7 @@ from emulator import Davis346, SensorOutput
 from scenarios.config import RunConfig
 from scenarios.judgement import Track
 from scenarios.methods import find_method, fly_maker, read
-from sim import Crossing, GroundTruth, Intrinsics, Sample
+from sim import Crossing, GroundTruth, Intrinsics, LightCache, Sample
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,10 @@ class Stopwatch:
             self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
 
 
-def make_crossing(config: RunConfig) -> Crossing:
-    """The crossing of `config`, seen by a sensor of its size."""
-    return Crossing(
-        config.crossing, Intrinsics(width=config.sensor.width, height=config.sensor.height)
-    )
+def make_crossing(config: RunConfig, cache: LightCache | None = None) -> Crossing:
+    """The crossing of `config`, seen by a sensor of its size, its light kept in `cache`."""
+    lens = Intrinsics(width=config.sensor.width, height=config.sensor.height)
+    return Crossing(config.crossing, lens, cache=cache)
 
 
 def make_detector(config: RunConfig) -> Detector:
@@ -96,7 +95,7 @@ def run_steps(
         if sample is None:
             return
         with watch.stage("emulate"):
-            output = sensor.step(sample.t_us, sample.luminance)
+            output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         with watch.stage("detect"):
             estimates = read(
                 detector, output.events, until_us=sample.t_us + 1, frames=output.aps_frames

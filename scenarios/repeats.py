@@ -39,7 +39,7 @@ def run_repeats(
     for sample in samples:
         note(track, sample.truth)
         for sensor, detector, said in zip(sensors, detectors, estimates, strict=True):
-            output = sensor.step(sample.t_us, sample.luminance)
+            output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
             until_us = sample.t_us + 1
             said += read(detector, output.events, until_us=until_us, frames=output.aps_frames)
         progress(sample.t_us)

@@ -51,7 +51,8 @@ def view_command(folder: Path) -> str:
 
 def _rows(summary: dict[str, Any]) -> dict[str, str]:
     parts = _truth(summary["truth"]), _events(summary), _detector(summary["detector"])
-    return dict(row for part in (*parts, _wall(summary["wall_s"])) for row in part.items())
+    light = {"light": summary.get("light", "rendered")}
+    return dict(row for part in (*parts, light, _wall(summary["wall_s"])) for row in part.items())
 
 
 def _truth(truth: dict[str, Any]) -> dict[str, str]:

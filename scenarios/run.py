@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,6 +11,7 @@ import tyro
 from emulator import SensorConfig
 from scenarios.config import RunConfig
 from scenarios.errors import ScenarioError
+from scenarios.light_options import LightOptions
 from scenarios.methods import FLY
 from scenarios.output import check_output
 from scenarios.pipeline import make_detector
@@ -57,6 +58,7 @@ class Run:
     """Rendered pixels per sensor pixel along each axis."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder to write; a name under logs/ that tells the parameters where not given."""
+    light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
 
     def config(self) -> RunConfig:
         """The run that the arguments ask for.
@@ -83,12 +85,12 @@ class Run:
 
     def execute(self) -> int:
         """Run, and print the closing table."""
-        config = self.config()
+        config, cache = self.config(), self.light.open()
         folder = self.out or LOGS / config.name
         check_output(folder)
         make_detector(config)
         with progress_bar() as progress:
-            summary = run_sequence(config, folder, progress.track(config.name))
+            summary = run_sequence(config, folder, progress.track(config.name), cache=cache)
         print_runs([(folder, summary)])
         return 0
 

@@ -26,7 +26,7 @@ from scenarios.pipeline import (
 from scenarios.recording.recorder import Recorder
 from scenarios.summary import EventTally, summarise
 from scenarios.tables import ESTIMATE_COLUMNS, TRUTH_COLUMNS, estimate_row, truth_row, write_table
-from sim import Crossing, Preview
+from sim import Crossing, LightCache, Preview
 
 PREVIEW_PERIOD_US = 33_333
 TRUTH_PERIOD_US = 10_000
@@ -37,7 +37,11 @@ Progress = Callable[[int, int], None]
 
 
 def run_sequence(
-    config: RunConfig, folder: Path, progress: Progress = lambda _done, _all: None
+    config: RunConfig,
+    folder: Path,
+    progress: Progress = lambda _done, _all: None,
+    *,
+    cache: LightCache | None = None,
 ) -> Any:
     """Run one sequence and write its folder: recording, events, tables and summary.
 
@@ -45,6 +49,7 @@ def run_sequence(
         config: the run.
         folder: where to; one of an earlier run is replaced once the new one is whole.
         progress: told after every sample.
+        cache: where rendered light is kept; None: nowhere.
 
     Returns:
         What `summary.json` holds.
@@ -54,18 +59,25 @@ def run_sequence(
         MethodError: there is no such detector.
         RendererError: this machine cannot render.
     """
-    watch = Stopwatch()
+    watch, drawn = Stopwatch(), cache.drawn if cache else 0
     with whole_folder(folder) as work:
         with watch.stage(TOTAL):
-            summary = _run_into(work, config, watch, progress)
+            summary = _run_into(work, config, watch, progress, cache)
+        summary["light"] = "rendered" if cache is None or cache.drawn > drawn else "kept"
         summary["wall_s"] = {name: round(seconds, 3) for name, seconds in watch.wall_s.items()}
         text = json.dumps(summary, indent=2)
         (work / SUMMARY).write_text(text + "\n", encoding="utf-8")
     return summary
 
 
-def _run_into(work: Path, config: RunConfig, watch: Stopwatch, progress: Progress) -> Any:
-    detector, crossing = make_detector(config), make_crossing(config)
+def _run_into(
+    work: Path,
+    config: RunConfig,
+    watch: Stopwatch,
+    progress: Progress,
+    cache: LightCache | None,
+) -> Any:
+    detector, crossing = make_detector(config), make_crossing(config, cache)
     tally, track = EventTally(), Track()
     estimates: list[MotionEstimate] = []
     truth_rows = []

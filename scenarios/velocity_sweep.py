@@ -7,7 +7,7 @@ It renders each velocity once, shows that to a sensor a seed, and prints one row
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import fmean
 from typing import Annotated, Any, Literal
@@ -20,6 +20,7 @@ from scenarios.config import RunConfig
 from scenarios.errors import ScenarioError
 from scenarios.grms import draw_grms, spearman_by_seed
 from scenarios.judgement import judge
+from scenarios.light_options import LightOptions
 from scenarios.methods import FLY
 from scenarios.output import check_output, whole_folder, write_summary
 from scenarios.pipeline import make_crossing, make_detector
@@ -28,7 +29,7 @@ from scenarios.report import number, percent, pixels
 from scenarios.summary import versions
 from scenarios.tables import write_table
 from scenarios.terminal import Bar, progress_bar, script
-from sim import CrossingConfig, Direction, Lighting
+from sim import CrossingConfig, Direction, LightCache, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
 COLUMNS = (
@@ -69,15 +70,20 @@ class VelocitySweep:
     """Rendered pixels per sensor pixel along each axis."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for the table and the figure of GRMS against velocity; nothing is written without."""
+    light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
 
     def execute(self) -> int:
         """Run the list, print the table, and write the folder if one was asked for."""
-        configs = list(self._configs())
+        configs, cache = list(self._configs()), self.light.open()
         make_detector(configs[0])
         if self.out is not None:
             check_output(self.out)
         with progress_bar() as progress:
-            rows = [row for config in configs for row in sweep_rows(config, self.seeds, progress)]
+            rows = [
+                row
+                for config in configs
+                for row in sweep_rows(config, self.seeds, progress, cache=cache)
+            ]
         print_rows(rows)
         if self.out is not None:
             with whole_folder(self.out) as work:
@@ -107,6 +113,7 @@ class VelocitySweep:
         write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))
         draw_grms(work / "grms", rows, method=self.method)
         arguments = asdict(self) | {"out": str(self.out)}
+        del arguments["light"]  # the result does not depend on it
         write_summary(
             work,
             {
@@ -118,9 +125,11 @@ class VelocitySweep:
         )
 
 
-def sweep_rows(config: RunConfig, seeds: int, progress: Bar) -> list[Row]:
-    """Render one sequence and show it to `seeds` sensors; a row each."""
-    crossing = make_crossing(config)
+def sweep_rows(
+    config: RunConfig, seeds: int, progress: Bar, *, cache: LightCache | None = None
+) -> list[Row]:
+    """Render one sequence, or have it from the cache, and show it to sensors; a row each."""
+    crossing = make_crossing(config, cache)
     advance = progress.track(config.name)
     used = range(config.seed, config.seed + seeds)
     by_seed, track = run_repeats(

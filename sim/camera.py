@@ -65,6 +65,12 @@ class Pose:
         """(3,) optical axis."""
         return np.cross(self.up, self.right)
 
+    @cached_property
+    def into(self) -> Vectors:
+        """(3, 4) rigid move from the world into the camera's frame: right, down, forward."""
+        axes = np.stack([self.right, -self.up, self.forward])
+        return np.column_stack([axes, -axes @ self.position_m])
+
     def rolled(self, angle_rad: float) -> Pose:
         """The same place and axis, the camera turned so that its image x turns towards image y."""
         cosine, sine = math.cos(angle_rad), math.sin(angle_rad)

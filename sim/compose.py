@@ -39,10 +39,12 @@ class Street(NamedTuple):
     Attributes:
         pixels: (1 + lights, height, width) float32 [cd/m²]: what comes steadily, then what each
             light that casts shadows adds where nothing is in its way.
-        points: the same on the fine grid.
+        points: the same on the fine grid, but (rows, columns, 1 + lights): they are read point by
+            point.
         albedo_pixels: (height, width) float32 [cd/m² a lux].
         albedo_points: the same on the fine grid.
         nearness: fine grid, 1/depth [1/m], float32.
+        depth: (height, width) float32 at the pixels' middles [m].
         normals: (height, width, 3) float32 at the pixels' middles, in the camera's frame.
     """
 
@@ -51,6 +53,7 @@ class Street(NamedTuple):
     albedo_pixels: F32
     albedo_points: F32
     nearness: F32
+    depth: F32
     normals: F32
 
 
@@ -116,7 +119,7 @@ class Eye(NamedTuple):
     centre_y: float
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _moved(moves: F64, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A point after move `k` of (n, 3, 4)."""
     return (
@@ -126,33 +129,33 @@ def _moved(moves: F64, k: int, x: float, y: float, z: float) -> tuple[float, flo
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _lit(
-    maps: F32,
-    sizes: I64,
-    views: F64,
-    parallel: Bools,
-    shadow: int,
-    x: float,
-    y: float,
-    z: float,
+    maps: F32, sizes: I64, parallel: Bools, shadow: int, u: float, v: float, w: float
 ) -> float:
-    """Share of a light, 0 to 1, that a mover lets through to a point."""
-    u, v, near = _moved(views, shadow, x, y, z)
+    """Share of a light, 0 to 1, that a mover lets through to a point.
+
+    Args:
+        maps: as in `Lights`, and so the next two.
+        sizes: likewise.
+        parallel: likewise.
+        shadow: which.
+        u: the point's column in the map; before a lamp, times its distance along the axis.
+        v: its row likewise.
+        w: in parallel light its nearness, before a lamp that distance [m].
+    """
     if parallel[shadow]:
-        near += BIAS_M
-    else:
-        if near <= 0.0:
-            return 1.0
-        near = 1.0 / near
-        u *= near
-        v *= near
-        near *= 1.0 + BIAS
-    u -= 0.5
-    v -= 0.5
-    column, row = math.floor(u), math.floor(v)
-    if column < 0 or row < 0 or column + 1 >= sizes[shadow, 1] or row + 1 >= sizes[shadow, 0]:
+        near = w + BIAS_M
+        w = 1.0
+    elif w <= 0.0:
         return 1.0
+    else:
+        near = (1.0 + BIAS) / w
+    rows, columns = sizes[shadow, 0], sizes[shadow, 1]
+    if u < 0.5 * w or v < 0.5 * w or u >= (columns - 1.5) * w or v >= (rows - 1.5) * w:
+        return 1.0
+    u, v = u / w - 0.5, v / w - 0.5
+    column, row = int(u), int(v)
     right, down = u - column, v - row
     lit = 0.0
     if maps[shadow, row, column] <= near:
@@ -166,7 +169,7 @@ def _lit(
     return lit
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _beam_lux(
     beams: F64,
     k: int,
@@ -296,12 +299,16 @@ def _shade_middles(
         lit: (height, width) float32, which share of the light comes through; multiplied.
     """
     focal, centre_x, centre_y = eye
-    maps, sizes, views, parallel = lights.maps, lights.sizes, lights.views, lights.parallel
+    maps, sizes, parallel, view = lights.maps, lights.sizes, lights.parallel, lights.views[shadow]
+    u_right, v_right, w_right = view[0, 0] / focal, view[1, 0] / focal, view[2, 0] / focal
     x0, y0, _, _ = window
     first_row, last_row = max(lights.reach[shadow, 1] - y0, 0), lights.reach[shadow, 3] - y0
     first, last = max(lights.reach[shadow, 0] - x0, 0), lights.reach[shadow, 2] - x0
     for row in range(code.shape[0]):
         below = (y0 + row + 0.5 - centre_y) / focal
+        u_row = view[0, 1] * below + view[0, 2]
+        v_row = view[1, 1] * below + view[1, 2]
+        w_row = view[2, 1] * below + view[2, 2]
         inside = first_row <= row < last_row
         for column in range(code.shape[1]):
             what = code[row, column]
@@ -309,9 +316,11 @@ def _shade_middles(
                 continue
             share = 1.0
             if inside and first <= column < last:
-                z = depth[row, column]
-                x = (x0 + column + 0.5 - centre_x) / focal * z
-                share = _lit(maps, sizes, views, parallel, shadow, x, below * z, z)
+                z, right = depth[row, column], x0 + column + 0.5 - centre_x
+                u = z * (u_right * right + u_row) + view[0, 3]
+                v = z * (v_right * right + v_row) + view[1, 3]
+                w = z * (w_right * right + w_row) + view[2, 3]
+                share = _lit(maps, sizes, parallel, shadow, u, v, w)
                 lit[row, column] *= share
             if what != EDGE:
                 dark = 2 * (-1 - what) + (share == 0.0)
@@ -320,7 +329,7 @@ def _shade_middles(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _light_middles(
-    street: Street, lights: Lights, eye: Eye, window: Window, size: int, code: I32
+    street: Street, lights: Lights, eye: Eye, window: Window, code: I32
 ) -> tuple[F32, F32]:
     """How the street at the pixels' middles is lit; their codes learn of it.
 
@@ -329,9 +338,7 @@ def _light_middles(
         (height, width) float32, what the movers' lamps add [lux].
     """
     x0, y0, x1, y1 = window
-    half = size // 2
-    nearness = street.nearness[y0 * size + half : y1 * size : size, x0 * size + half :: size]
-    depth = 1.0 / nearness[:, : x1 - x0]
+    depth = street.depth[y0:y1, x0:x1]
     lit = np.ones((len(lights.gains) - 1, *code.shape), np.float32)
     for shadow in range(len(lights.light)):
         _shade_middles(lights, shadow, eye, window, depth, code, lit[lights.light[shadow]])
@@ -433,7 +440,7 @@ def _light_points(
     parallel, beams, reach_m = lights.parallel, lights.beams, lights.beam_range_m
     x0, y0, _, _ = window
     count, height, width = lit.shape
-    points = np.zeros(label.shape, np.float32)
+    points = np.empty(label.shape, np.float32)
     even = np.empty(count, np.bool_)
     share = np.empty(count)
     for row in range(height):
@@ -451,6 +458,7 @@ def _light_points(
             n_z = normals[y0 + row, x0 + column, 2]
             for i in range(row * size, (row + 1) * size):
                 for j in range(column * size, (column + 1) * size):
+                    points[i, j] = 0.0
                     if label[i, j] >= 0:
                         continue
                     v, u = y0 * size + i, x0 * size + j
@@ -463,12 +471,13 @@ def _light_points(
                                 share[light] = 1.0
                         for shadow in range(len(source)):
                             if not even[source[shadow]]:
+                                at = _moved(views, shadow, x, y, z)
                                 share[source[shadow]] *= _lit(
-                                    maps, sizes, views, parallel, shadow, x, y, z
+                                    maps, sizes, parallel, shadow, at[0], at[1], at[2]
                                 )
-                    value = gains[0] * parts[0, v, u]
+                    value = gains[0] * parts[v, u, 0]
                     for light in range(count):
-                        value += gains[1 + light] * share[light] * parts[1 + light, v, u]
+                        value += gains[1 + light] * share[light] * parts[v, u, 1 + light]
                     if in_beam:
                         for k in range(len(beams)):
                             here = _beam_lux(beams, k, reach_m, x, y, z, n_x, n_y, n_z)
@@ -629,7 +638,7 @@ def compose(
     """
     size = len(weights) // 3
     code = _pixel_codes(label, size)
-    lit, lux = _light_middles(street, lights, eye, window, size, code)
+    lit, lux = _light_middles(street, lights, eye, window, code)
     marked = _mark_edges(code, lux)
     points = _light_points(street, lights, eye, window, size, label, lit, lux, marked)
     _draw_plain(

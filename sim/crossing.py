@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.cache import LightCache, Lights
 from sim.camera import Intrinsics
 from sim.config import CrossingConfig, Direction
+from sim.light_file import Light
+from sim.light_key import light_key
 from sim.mains import Mains
 from sim.moving_light import LightReach
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.reprojection import Drawn, Reprojection, rest_lens
 from sim.sampling import sample_times_us
 from sim.scene import Scene, build_scene
-from sim.truth import GroundTruth, ground_truth
-from sim.windows import Window, hull, points_window
+from sim.truth import GroundTruth
+from sim.visible import Visible
+from sim.windows import Window, hull, points_window, whole
+from sim.witness import Witness
 
 BEAM_SOFTNESS = 4
 """The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
@@ -34,7 +40,7 @@ class Sample:
     Attributes:
         t_us: time since the start of the sequence [µs].
         luminance: (height, width) float32 [cd/m²]; the mean over each pixel.
-        truth: the target's.
+        truth: of everything that moves, the target first.
         changed: x0, y0, x1, y1 of a window outside of which the light is exactly as at the sample
             before, half-open [px].
     """
@@ -48,17 +54,24 @@ class Sample:
 class Crossing:
     """One vehicle's crossing: its scene, its motion, and how it is sampled."""
 
-    def __init__(self, config: CrossingConfig, intrinsics: Intrinsics | None = None) -> None:
+    def __init__(
+        self,
+        config: CrossingConfig,
+        intrinsics: Intrinsics | None = None,
+        *,
+        cache: LightCache | None = None,
+    ) -> None:
         """Compose the scene and plan the motion; nothing is drawn yet.
 
         Args:
             config: what to show.
             intrinsics: the lens and sensor; None: a DAVIS346 behind 6 mm.
+            cache: where the light of `samples` is kept; None: nowhere, it is drawn each time.
 
         Raises:
             SceneConfigError: the lead time asks for more than the profile can give.
         """
-        self.config = config
+        self.config, self.cache = config, cache
         self.intrinsics = intrinsics or Intrinsics()
         self.scene: Scene = build_scene(config)
         self.trajectory = self.scene.trajectory
@@ -113,25 +126,59 @@ class Crossing:
             RendererError: this machine cannot render.
         """
         times = self.times_us() if times_us is None else list(times_us)
+        witness = Witness(self.scene, self.intrinsics)
+        unknown = np.zeros((self.intrinsics.height, self.intrinsics.width), np.float32)
+        for light in self._kept_light(times):
+            visible = Visible(light.body, unknown)
+            truth = witness.at(light.t_us, self.seconds(light.t_us), visible)
+            yield Sample(light.t_us, light.luminance, truth, light.changed)
+
+    def _kept_light(self, times_us: Sequence[int]) -> Iterator[Light]:
+        """From the cache where there is one."""
+        if self.cache is None:
+            return self._light(times_us)
+        return self.cache.light(
+            light_key(self.config, self.scene.model, self.intrinsics, times_us),
+            (self.intrinsics.height, self.intrinsics.width),
+            len(times_us),
+            lambda: self._light(times_us),
+        )
+
+    def _light(self, times_us: Sequence[int]) -> Lights:
+        with self.from_keyframes(times_us) as draw:
+            before = [whole(self.intrinsics)]
+            for t_us in times_us:
+                drawn = draw(t_us)
+                changed = hull(before + drawn.windows)
+                yield Light(t_us, drawn.luminance, drawn.visible.body, changed)
+                before = drawn.windows
+
+    @contextmanager
+    def from_keyframes(self, times_us: Sequence[int]) -> Iterator[Callable[[int], Drawn]]:
+        """Give a function that draws samples from keyframes, at times that may not go back [µs].
+
+        Args:
+            times_us: of the whole sequence, on which the keyframes are planned [µs]; the function
+                takes any of them.
+
+        Raises:
+            RendererError: this machine cannot render.
+        """
         model = luminance_model(self.scene.model)
-        lens = rest_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times])
+        lens = rest_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
         with FilamentRenderer(model, lens) as renderer:
             drawing = Reprojection(
                 renderer,
                 model,
                 self.scene,
                 self.intrinsics,
-                times,
+                times_us,
                 self.seconds,
                 supersample=self.config.supersample,
                 spacing_px=self.config.keyframe_px,
                 step_px=self.config.step_px,
             )
-            before = [(0, 0, self.intrinsics.width, self.intrinsics.height)]
-            for t_us in times:
-                drawn = drawing.draw(t_us)
-                yield self._sample(t_us, drawn, hull(before + drawn.windows))
-                before = drawn.windows
+            yield drawing.draw
 
     @contextmanager
     def full_frames(self, supersample: int | None = None) -> Iterator[Callable[[int], Luminance]]:
@@ -162,19 +209,14 @@ class Crossing:
 
             yield draw
 
-    def _sample(self, t_us: int, drawn: Drawn, changed: Window) -> Sample:
-        truth = ground_truth(
-            self.scene,
-            self.trajectory,
-            self.intrinsics,
-            t_us=t_us,
-            t_s=self.seconds(t_us),
-            mask=np.isin(drawn.visible.body, self.scene.target.bodies),
-        )
-        return Sample(t_us, drawn.luminance, truth, changed)
-
     def _fastest_px_s(self, t_us: int) -> float:
-        """Image speed of the fastest thing that moves in view; 0 where nothing does."""
+        """A bound on the image speed of anything that moves in view; 0 where nothing does."""
+        longest_us = round(self.config.max_step_ms * 1e3)
+        before = t_us // longest_us * longest_us
+        return max(self._speed_at_px_s(before), self._speed_at_px_s(before + longest_us))
+
+    @lru_cache(maxsize=4)  # noqa: B019, which the crossing outlives
+    def _speed_at_px_s(self, t_us: int) -> float:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
         reach = self._reach.at(self._data)

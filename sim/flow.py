@@ -93,6 +93,16 @@ def _eye(lens: Intrinsics) -> tuple[float, float, float]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _applied(moves: F64, k: int, x: float, y: float, near: float) -> tuple[float, float, float]:
+    """Matrix `k` applied to the place (x, y, 1) / near, times near."""
+    return (
+        moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] + moves[k, 0, 3] * near,
+        moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] + moves[k, 1, 3] * near,
+        moves[k, 2, 0] * x + moves[k, 2, 1] * y + moves[k, 2, 2] + moves[k, 2, 3] * near,
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _flow(
     body: I32, nearness: F32, twists: F64, focal: float, centre_x: float, centre_y: float
 ) -> F32:
@@ -102,10 +112,8 @@ def _flow(
         y = (row + 0.5 - centre_y) / focal
         for column in range(width):
             x = (column + 0.5 - centre_x) / focal
-            k, near = max(body[row, column], 0), nearness[row, column]
-            a = twists[k, 0, 0] * x + twists[k, 0, 1] * y + twists[k, 0, 2] + twists[k, 0, 3] * near
-            b = twists[k, 1, 0] * x + twists[k, 1, 1] * y + twists[k, 1, 2] + twists[k, 1, 3] * near
-            c = twists[k, 2, 0] * x + twists[k, 2, 1] * y + twists[k, 2, 2] + twists[k, 2, 3] * near
+            k = max(body[row, column], 0)  # the sky turns as the world does
+            a, b, c = _applied(twists, k, x, y, nearness[row, column])
             out[row, column, 0] = focal * (a - x * c)
             out[row, column, 1] = focal * (b - y * c)
     return out
@@ -121,10 +129,8 @@ def _displacement(
         y = (row + 0.5 - centre_y) / focal
         for column in range(width):
             x = (column + 0.5 - centre_x) / focal
-            k, near = max(body[row, column], 0), nearness[row, column]
-            a = moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] + moves[k, 0, 3] * near
-            b = moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] + moves[k, 1, 3] * near
-            c = moves[k, 2, 0] * x + moves[k, 2, 1] * y + moves[k, 2, 2] + moves[k, 2, 3] * near
+            k = max(body[row, column], 0)
+            a, b, c = _applied(moves, k, x, y, nearness[row, column])
             out[row, column, 0] = focal * (a / c - x) if c > 0.0 else np.nan
             out[row, column, 1] = focal * (b / c - y) if c > 0.0 else np.nan
     return out

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.scene import Scene
+from sim.srgb import encoded
 from sim.triangles import geom_triangles, unit_normals
 
 WORLD = "world"
@@ -92,10 +93,8 @@ def body_meshes(model: mujoco.MjModel) -> list[BodyMesh]:
 
 
 def srgb(linear: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Encode linear colour, 0 to 1, as sRGB of 8 bits (IEC 61966-2-1)."""
-    value = np.clip(np.asarray(linear, np.float64), 0.0, 1.0)
-    encoded = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
-    return np.asarray(np.rint(encoded * 255), np.uint8)
+    """Encode linear colour, 0 to 1, as sRGB of 8 bits."""
+    return np.asarray(np.rint(encoded(linear) * 255), np.uint8)
 
 
 def _merged(

@@ -48,6 +48,8 @@ LAMP_LENS = "mains_lamp_lens"
 """Material of the street lamps' lenses; the names of all that is on the mains begin alike."""
 DUSK_LAMPS_LUX = 10.0
 """What the street lamps add to the sky's light at dusk: as at night."""
+LUMINANCE_OF_RGB = np.array([0.2126, 0.7152, 0.0722])
+"""Of linear primaries (Rec. 709)."""
 WHITE = (1.0, 1.0, 1.0)
 """A light's colour scales its intensity, and MuJoCo's default is a grey of 0.7."""
 
@@ -223,7 +225,7 @@ def set_luminance(
 
 def relative_luminance(rgba: npt.ArrayLike) -> float:
     """Luminance of a linear colour relative to white (Rec. 709 primaries)."""
-    return float(np.asarray(rgba)[:3] @ [0.2126, 0.7152, 0.0722])
+    return float(np.asarray(rgba)[:3] @ LUMINANCE_OF_RGB)
 
 
 def _add_sky(spec: mujoco.MjSpec, luminance_cd_m2: float) -> None:

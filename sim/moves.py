@@ -31,7 +31,7 @@ def into_frame(axes: F64, place_m: F64) -> F64:
 
 def into_camera(pose: Pose) -> F64:
     """(3, 4) from the world into a camera's frame: right, down, forward."""
-    return into_frame(np.stack([pose.right, -pose.up, pose.forward]), pose.position_m)
+    return pose.into
 
 
 def body_poses(data: mujoco.MjData) -> F64:

@@ -47,33 +47,46 @@ def perspective(
     clipped = np.empty((4, 3))
     count = 0
     for t in range(len(corners)):
-        corner = corners[t]
         inside = 0
         for i in range(3):
-            inside += corner[i, 2] >= near
+            inside += corners[t, i, 2] >= near
         if inside == 0:
             continue
-        size = 0
-        for i in range(3):
-            here, there = corner[i], corner[(i + 1) % 3]
-            if here[2] >= near:
-                clipped[size] = here
-                size += 1
-            if (here[2] >= near) != (there[2] >= near):
-                share = (near - here[2]) / (there[2] - here[2])
-                for axis in range(3):
-                    clipped[size, axis] = here[axis] + share * (there[axis] - here[axis])
-                size += 1
+        size = 3 if inside == 3 else _clip(corners, t, near, clipped)
         for fan in range(size - 2):
             for i in range(3):
-                point = clipped[0 if i == 0 else fan + i]
-                nearness = 1.0 / point[2]
-                out[count, i, 0] = centre_x + focal * point[0] * nearness
-                out[count, i, 1] = centre_y + focal * point[1] * nearness
+                k = 0 if i == 0 else fan + i
+                if inside == 3:
+                    x, y, z = corners[t, k, 0], corners[t, k, 1], corners[t, k, 2]
+                else:
+                    x, y, z = clipped[k, 0], clipped[k, 1], clipped[k, 2]
+                nearness = 1.0 / z
+                out[count, i, 0] = centre_x + focal * x * nearness
+                out[count, i, 1] = centre_y + focal * y * nearness
                 out[count, i, 2] = nearness
             source[count] = t
             count += 1
     return out[:count], source[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
+    """Cut triangle `t` off at the near plane; the number of corners written to `clipped`."""
+    size = 0
+    for i in range(3):
+        j = (i + 1) % 3
+        here, there = corners[t, i, 2], corners[t, j, 2]
+        if here >= near:
+            for axis in range(3):
+                clipped[size, axis] = corners[t, i, axis]
+            size += 1
+        if (here >= near) != (there >= near):
+            share = (near - here) / (there - here)
+            for axis in range(3):
+                begin, end = corners[t, i, axis], corners[t, j, axis]
+                clipped[size, axis] = begin + share * (end - begin)
+            size += 1
+    return size
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -97,9 +110,9 @@ def rasterise(
     """
     height, width = nearness.shape
     for t in range(len(triangles)):
-        ax, ay, az = triangles[t, 0]
-        bx, by, bz = triangles[t, 1]
-        cx, cy, cz = triangles[t, 2]
+        ax, ay, az = triangles[t, 0, 0], triangles[t, 0, 1], triangles[t, 0, 2]
+        bx, by, bz = triangles[t, 1, 0], triangles[t, 1, 1], triangles[t, 1, 2]
+        cx, cy, cz = triangles[t, 2, 0], triangles[t, 2, 1], triangles[t, 2, 2]
         area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
         if area == 0.0 or (one_sided and area > 0.0):
             continue
@@ -114,6 +127,8 @@ def rasterise(
                 ux, uy = triangles[t, edge, 0], triangles[t, edge, 1]
                 vx, vy = triangles[t, (edge + 1) % 3, 0], triangles[t, (edge + 1) % 3, 1]
                 if (uy <= y) != (vy <= y):
+                    if vy < uy:  # from the top, whichever triangle's edge: or cracks open
+                        ux, uy, vx, vy = vx, vy, ux, uy
                     x = ux + (vx - ux) * (y - uy) / (vy - uy)
                     low, high = min(low, x), max(high, x)
             if low > high:
@@ -142,12 +157,15 @@ def transform(triangles: F64, body: I32, moves: F64) -> F64:
     """
     out = np.empty_like(triangles)
     for t in range(len(triangles)):
-        move = moves[body[t]]
+        b = body[t]
         for i in range(3):
-            x, y, z = triangles[t, i]
+            x, y, z = triangles[t, i, 0], triangles[t, i, 1], triangles[t, i, 2]
             for axis in range(3):
                 out[t, i, axis] = (
-                    move[axis, 0] * x + move[axis, 1] * y + move[axis, 2] * z + move[axis, 3]
+                    moves[b, axis, 0] * x
+                    + moves[b, axis, 1] * y
+                    + moves[b, axis, 2] * z
+                    + moves[b, axis, 3]
                 )
     return out
 
@@ -169,9 +187,9 @@ def bounds(triangles: F64, labels: I32, count: int) -> F64:
     out[:, :2] = np.inf
     out[:, 2:] = -np.inf
     for t in range(len(triangles)):
-        box = out[labels[t]]
+        k = labels[t]
         for i in range(3):
             for axis in range(2):
-                box[axis] = min(box[axis], triangles[t, i, axis])
-                box[2 + axis] = max(box[2 + axis], triangles[t, i, axis])
+                out[k, axis] = min(out[k, axis], triangles[t, i, axis])
+                out[k, 2 + axis] = max(out[k, 2 + axis], triangles[t, i, axis])
     return out

@@ -21,9 +21,11 @@ import numpy as np
 import numpy.typing as npt
 from mujoco import mjrf
 
+from sim import srgb
 from sim.aperture import REACH_PX, to_pixels
 from sim.camera import Intrinsics, Pose
-from sim.light import relative_luminance
+from sim.errors import RendererError
+from sim.light import LUMINANCE_OF_RGB
 from sim.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
@@ -180,12 +182,19 @@ class FilamentRenderer:
         height, width = (window[3] - window[1]) * scale, (window[2] - window[0]) * scale
         colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
         image = np.empty((height, width, 3) if colour else (height, width), _DTYPE[colour])
+        if not colour:
+            image[0, 0] = np.nan  # still there if no frame comes
         target = self._target(pixel_format, bool(options.get("post_processing")))
         target.resize(width, height)
         read = mjrf.ReadRequest(target=target)
         read.set_buffer(image)
         request = self._request(pose, window, scale, target, **options)
-        self._context.wait_for_frame(self._context.render([request], [read]))
+        try:
+            self._context.wait_for_frame(self._context.render([request], [read]))
+        except RuntimeError as error:
+            raise RendererError(_LOST) from error
+        if not colour and np.isnan(image[0, 0]):
+            raise RendererError(_LOST)
         return image
 
     def _target(self, pixel_format: Any, post_processing: bool) -> Any:
@@ -210,22 +219,46 @@ class FilamentRenderer:
         return request
 
 
+_COLOUR_CODE = "filament.material.base_color_type"
 _DTYPE = {True: np.uint8, False: np.float32}
+_LOST = (
+    "the Vulkan device gave no frame and seems to be lost; allowed is a device that answers; run "
+    "it again, and if it happens again see what `flybench doctor` says of its driver"
+)
 
 
 def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
     """A copy of `model` in which every colour is the grey of the same luminance.
 
-    Material and geom colours are taken as linear reflectances, as textures are.
+    As the renderer does, colours of materials and geoms are taken as sRGB unless the model says
+    that they are linear, and textures as linear unless their colour space is sRGB.
     """
     grey = copy.copy(model)
+    coded = not _is_linear(model)
     for rgba in (grey.mat_rgba, grey.geom_rgba):
-        rgba[:, :3] = np.array([relative_luminance(row) for row in rgba])[:, None]
+        rgba[:, :3] = _grey(rgba[:, :3], coded)
     for k in range(grey.ntex):
         if grey.tex_nchannel[k] == 3:
             texels = _texels(grey, k)
-            texels[:] = np.rint(texels @ [0.2126, 0.7152, 0.0722]).astype(np.uint8)[:, None]
+            coded = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
+            texels[:] = np.rint(255 * _grey(texels / 255, coded)).astype(np.uint8)
     return grey
+
+
+def _grey(colours: npt.NDArray[Any], coded: bool) -> npt.NDArray[np.float64]:
+    """(n, 1) greys of the same luminance as (n, 3) colours, in the same code."""
+    linear = srgb.decoded(colours) if coded else np.asarray(colours, np.float64)
+    grey = linear @ LUMINANCE_OF_RGB
+    return np.asarray(srgb.encoded(grey) if coded else grey)[:, None]
+
+
+def _is_linear(model: mujoco.MjModel) -> bool:
+    """Whether the model says that its colours are linear."""
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _COLOUR_CODE)
+    if number < 0:
+        return False
+    start, size = int(model.text_adr[number]), int(model.text_size[number])
+    return bytes(model.text_data[start : start + size]).rstrip(b"\0") == b"linear"
 
 
 def _texels(model: mujoco.MjModel, texture: int) -> npt.NDArray[np.uint8]:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.aperture import LENS_BLUR_PX, aperture_weights, to_pixels
-from sim.camera import Intrinsics, Pose, project
+from sim.camera import Intrinsics, project
 from sim.compose import Eye, Street, compose
 from sim.keyframes import Keyframe, KeyframeStore, cut_pieces, keyframe_times
 from sim.mains import Mains, changed_lights
@@ -31,7 +31,7 @@ from sim.scene import Scene
 from sim.street_light import draw_street
 from sim.triangles import triangle_soup
 from sim.turning import turned_image
-from sim.visible import Visible, look
+from sim.visible import Visible, look, show_middles
 from sim.windows import Window, hull, merged, window_around
 
 F32 = npt.NDArray[np.float32]
@@ -113,7 +113,7 @@ class Reprojection:
         )
         self._street = self._draw_street(reach)
         self._still = self._street.pixels.sum(axis=0)
-        self._still_visible = look(self._still_soup, body_poses(self._data), self._pose, self._lens)
+        self._still_visible = look(self._still_soup, body_poses(self._data), self._pose, self._wide)
 
     def draw(self, t_us: int) -> Drawn:
         """Draw one sample; times may not go back."""
@@ -121,9 +121,9 @@ class Reprojection:
         self._place(t_us)
         t_s = self._seconds(t_us)
         poses = body_poses(self._data)
-        luminance, windows = self._at_rest(t_us, poses)
+        luminance, visible, windows = self._at_rest(t_us, poses)
         if self._scene.shake is None:
-            return Drawn(luminance, self._visible(poses, self._pose, windows), windows)
+            return Drawn(luminance, visible, windows)
         pose = self._scene.pose_at(t_s)
         fine = self._lens.scaled(self._scale)
         luminance = turned_image(luminance, self._pose, self._wide, pose, fine)
@@ -132,8 +132,8 @@ class Reprojection:
         visible = look(self._movers, poses, pose, self._lens, visible)
         return Drawn(luminance, visible, [(0, 0, self._lens.width, self._lens.height)])
 
-    def _at_rest(self, t_us: int, poses: F64) -> tuple[Luminance, list[Window]]:
-        """The image of the camera at rest, and what of it may differ from the still street."""
+    def _at_rest(self, t_us: int, poses: F64) -> tuple[Luminance, Visible, list[Window]]:
+        """What the camera at rest sees, and what of it may differ from the still street."""
         factor = self._scene.mains_factor(self._seconds(t_us))
         gains = self._gains(factor)
         still = self._still
@@ -143,7 +143,9 @@ class Reprojection:
         reach = self._reach.at(self._data)
         windows = merged(self._body_windows(flat, body) + reach.windows)
         luminance = still.copy()
+        visible = self._still_visible
         if windows:
+            visible = Visible(visible.body.copy(), visible.nearness.copy())
             lights = self._light.lights(self._data, poses, reach, gains)
             views = followed_by(poses, into_camera(self._pose))
             surfaces = self._keyframes.surfaces(t_us, views, factor)
@@ -161,9 +163,10 @@ class Reprojection:
                     self._weights,
                     window,
                 )
+                show_middles(visible, label, nearness, window, self._size)
         if self._mains is not None:
             windows = [(0, 0, self._wide.width, self._wide.height)]
-        return luminance, windows
+        return luminance, visible, windows
 
     def _place(self, t_us: int) -> None:
         self._scene.place(self._data, self._seconds(t_us))
@@ -199,11 +202,6 @@ class Reprojection:
         label = np.full(nearness.shape, NOTHING, np.int32)
         rasterise(flat, body, x0, y0, nearness, label, True)
         return label, nearness
-
-    def _visible(self, poses: F64, pose: Pose, windows: list[Window]) -> Visible:
-        if not windows:
-            return self._still_visible
-        return look(self._movers, poses, pose, self._lens, self._still_visible)
 
     def _plan(
         self, times_us: Sequence[int], spacing_px: float, stride: int

@@ -15,7 +15,7 @@ from sim.visible import Visible, look
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
-I16 = npt.NDArray[np.int16]
+I8 = npt.NDArray[np.int8]
 
 RATE_STEP_S = 1e-5
 """Half the time over which poses are differenced for velocities. What the cut-off series leaves out
@@ -91,9 +91,9 @@ class SceneGeometry:
         return flow.displacement_px(self.visible(from_s), moves, self.lens)
 
 
-def objects_of_bodies(scene: Scene) -> I16:
-    """(bodies,) int16 which of the scene's objects each body belongs to, or `BACKGROUND`."""
-    found = np.full(scene.model.nbody, BACKGROUND, np.int16)
+def objects_of_bodies(scene: Scene) -> I8:
+    """(bodies,) int8 which of the scene's objects each body belongs to, or `BACKGROUND`."""
+    found = np.full(scene.model.nbody, BACKGROUND, np.int8)
     for k, item in enumerate(scene.objects):
         found[item.bodies] = k
     return found

@@ -23,7 +23,7 @@ I64 = npt.NDArray[np.int64]
 
 MAP_SIDE = 512
 """Rows and columns that a map may have."""
-TEXEL_M = 0.02
+TEXEL_M = 0.025
 """Side of a map's cell on the ground, where the map's size allows it; what a pixel
 sees at the vehicle's distance (assumed)."""
 LAMP_NEAR_M = 0.1
@@ -97,7 +97,7 @@ def draw_shadow_map(
         depth = np.maximum(corners[:, 2], LAMP_NEAR_M)
         flat, texel = corners[:, :2] / depth[:, None], TEXEL_M / float(depth.max())
     low, high = flat.min(axis=0), flat.max(axis=0)
-    texel = max(texel, float((high - low).max()) / (MAP_SIDE - 6))
+    texel = max(texel, float((high - low).max()) / (MAP_SIDE - 7))
     start = np.floor(low / texel) - 2
     columns, rows = (int(n) for n in np.ceil(high / texel) - start + 3)
     to_light = into_frame(lamp.axes, origin)

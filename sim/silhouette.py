@@ -13,6 +13,7 @@ from sim.renderer import NEAR_M
 from sim.triangles import Soup
 
 F64 = npt.NDArray[np.float64]
+I8 = npt.NDArray[np.int8]
 I32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
@@ -36,48 +37,74 @@ class Silhouette:
         self._body = unique[:, 3].astype(np.int32)
         self._faces = faces.reshape(-1, 3).astype(np.int32)
 
-    def visibility(self, views: F64, lens: Intrinsics, mine: Bools) -> float:
+    def visibility(self, views: F64, lens: Intrinsics, labels: I8, number: int) -> float:
         """Share of the silhouette's pixels that the image shows.
 
         Args:
             views: (bodies, 3, 4) from each body's frame into the camera's.
             lens: the camera's.
-            mine: (height, width) bool, the pixels whose middle shows the object.
+            labels: (height, width) what each pixel's middle shows.
+            number: what is the object's there.
 
         Returns:
             0 to 1: 1 where nothing stands before the object and all of it is in the image.
         """
-        flat = _projected(self._corners_m, self._body, views, lens.focal_px, NEAR_M)
-        flat += np.array([lens.width / 2, lens.height / 2])
-        if not len(flat) or np.isnan(flat).all():
-            return 0.0
-        low, high = np.floor(np.nanmin(flat, axis=0)), np.ceil(np.nanmax(flat, axis=0))
-        if (high <= 0).any() or (low >= [lens.width, lens.height]).any():
+        middle = lens.width / 2, lens.height / 2
+        flat, span = _projected(self._corners_m, self._body, views, lens.focal_px, *middle, NEAR_M)
+        low, high = np.floor(span[0]), np.ceil(span[1])
+        if not ((high > 0) & (low < [lens.width, lens.height])).all():
             return 0.0
         stride = max(math.isqrt(int(np.prod(high - low) / POINTS)), 1)
         columns, rows = (int(n) for n in -(-(high - low) // stride))
         covered = np.zeros((rows, columns), np.bool_)
         # Grid point (i, j) is the middle of pixel (x0 + i · stride, y0 + j · stride).
-        _cover((flat - low - 0.5) / stride + 0.5, self._faces, covered)
+        _cover((flat - (low + 0.5)) / stride + 0.5, self._faces, covered)
         alone = int(np.count_nonzero(covered))
-        x, y = (int(-n) % stride if n < 0 else int(n) for n in low)
-        seen = mine[y : int(high[1]) : stride, x : int(high[0]) : stride]
+        x, y = (int(n) % stride if n < 0 else int(n) for n in low)
+        seen = labels[y : int(high[1]) : stride, x : int(high[0]) : stride] == number
         return min(int(np.count_nonzero(seen)) / alone, 1.0) if alone else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _projected(corners: F64, body: I32, views: F64, focal: float, near: float) -> F64:
-    """(n, 2) image coordinates from the optical axis [px]; not a number before `near`."""
-    out = np.empty((len(corners), 2))
+def _projected(
+    corners: F64,
+    body: I32,
+    views: F64,
+    focal: float,
+    centre_x: float,
+    centre_y: float,
+    near: float,
+) -> tuple[F64, F64]:
+    """Image coordinates of corners.
+
+    Args:
+        corners: (n, 3) in their bodies' frames [m].
+        body: (n,) which body each belongs to.
+        views: (bodies, 3, 4) from there into the camera's frame.
+        focal: of the camera [px].
+        centre_x: where its axis meets the image [px].
+        centre_y: likewise.
+        near: how near corners may be to the camera [m].
+
+    Returns:
+        (n, 2) coordinates, not a number where nearer; and (2, 2) the lowest and highest of them,
+        infinite the wrong way round where there are none.
+    """
+    flat = np.full((len(corners), 2), np.nan)
+    low_x = low_y = math.inf
+    high_x = high_y = -math.inf
     for k in range(len(corners)):
         a, b, c, i = corners[k, 0], corners[k, 1], corners[k, 2], body[k]
+        z = views[i, 2, 0] * a + views[i, 2, 1] * b + views[i, 2, 2] * c + views[i, 2, 3]
+        if z < near:
+            continue
         x = views[i, 0, 0] * a + views[i, 0, 1] * b + views[i, 0, 2] * c + views[i, 0, 3]
         y = views[i, 1, 0] * a + views[i, 1, 1] * b + views[i, 1, 2] * c + views[i, 1, 3]
-        z = views[i, 2, 0] * a + views[i, 2, 1] * b + views[i, 2, 2] * c + views[i, 2, 3]
-        scale = focal / z if z >= near else np.nan
-        out[k, 0] = x * scale
-        out[k, 1] = y * scale
-    return out
+        x, y = centre_x + focal * x / z, centre_y + focal * y / z
+        flat[k, 0], flat[k, 1] = x, y
+        low_x, low_y = min(low_x, x), min(low_y, y)
+        high_x, high_y = max(high_x, x), max(high_y, y)
+    return flat, np.array([[low_x, low_y], [high_x, high_y]])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -91,9 +118,9 @@ def _cover(flat: F64, faces: I32, covered: Bools) -> None:
     """
     height, width = covered.shape
     for k in range(len(faces)):
-        i, j, l = faces[k, 0], faces[k, 1], faces[k, 2]
-        ax, ay, bx, by = flat[i, 0], flat[i, 1], flat[j, 0], flat[j, 1]
-        cx, cy = flat[l, 0], flat[l, 1]
+        a, b, c = faces[k, 0], faces[k, 1], faces[k, 2]
+        ax, ay, bx, by = flat[a, 0], flat[a, 1], flat[b, 0], flat[b, 1]
+        cx, cy = flat[c, 0], flat[c, 1]
         if not (bx - ax) * (cy - ay) - (cx - ax) * (by - ay) < 0.0:
             continue
         first = max(math.ceil(min(ay, by, cy) - 0.5), 0)
@@ -101,15 +128,18 @@ def _cover(flat: F64, faces: I32, covered: Bools) -> None:
         for row in range(first, last):
             y = row + 0.5
             low, high = math.inf, -math.inf
-            if (ay <= y) != (by <= y):
-                x = ax + (bx - ax) * (y - ay) / (by - ay)
-                low, high = min(low, x), max(high, x)
-            if (by <= y) != (cy <= y):
-                x = bx + (cx - bx) * (y - by) / (cy - by)
-                low, high = min(low, x), max(high, x)
-            if (cy <= y) != (ay <= y):
-                x = cx + (ax - cx) * (y - cy) / (ay - cy)
-                low, high = min(low, x), max(high, x)
+            for edge in range(3):
+                if edge == 0:
+                    ux, uy, vx, vy = ax, ay, bx, by
+                elif edge == 1:
+                    ux, uy, vx, vy = bx, by, cx, cy
+                else:
+                    ux, uy, vx, vy = cx, cy, ax, ay
+                if (uy <= y) != (vy <= y):
+                    if vy < uy:  # as `sim.raster` does
+                        ux, uy, vx, vy = vx, vy, ux, uy
+                    x = ux + (vx - ux) * (y - uy) / (vy - uy)
+                    low, high = min(low, x), max(high, x)
             start = max(math.ceil(low - 0.5), 0)
             for column in range(start, min(math.ceil(high - 0.5), width)):
                 covered[row, column] = True

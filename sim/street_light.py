@@ -84,13 +84,14 @@ def draw_street(
     np.maximum(points, 0.0, out=points)
     albedo = np.zeros_like(steady)
     albedo[box] = _albedo(model, lambda: drawn(window))
-    nearness, normals = _shape(lens, data, pose, soup, supersample)
+    nearness, depth, normals = _shape(lens, data, pose, soup, supersample)
     return Street(
         pixels=np.stack([to_pixels(part, supersample, blur_px) for part in points]),
-        points=points,
+        points=np.ascontiguousarray(np.moveaxis(points, 0, -1)),
         albedo_pixels=to_pixels(albedo, supersample, blur_px),
         albedo_points=albedo,
         nearness=nearness,
+        depth=depth,
         normals=normals,
     )
 
@@ -112,13 +113,14 @@ def _albedo(model: mujoco.MjModel, drawn: Callable[[], F32]) -> F32:
 
 def _shape(
     lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: Soup, supersample: int
-) -> tuple[F32, F32]:
-    """Nearness of the fine points, and the normals at the pixels' middles, camera's frame."""
+) -> tuple[F32, F32, F32]:
+    """Nearness of the fine points; depth and normals, in the camera's frame, at pixels' middles."""
     seen = soup.moved(followed_by(body_poses(data), into_camera(pose)))
     nearness, _ = draw_triangles(seen, lens, supersample)
-    _, label = draw_triangles(seen, lens, 1)
+    middles, label = draw_triangles(seen, lens, 1)
     normals = np.concatenate([unit_normals(seen), np.zeros((1, 3))])[label]
-    return np.maximum(nearness, np.float32(FAR)), normals.astype(np.float32)
+    depth = np.asarray(1 / np.maximum(middles, np.float32(FAR)), np.float32)
+    return np.maximum(nearness, np.float32(FAR)), depth, normals.astype(np.float32)
 
 
 def draw_triangles(seen: F64, lens: Intrinsics, supersample: int) -> tuple[F32, I32]:

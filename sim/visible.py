@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from sim.camera import Intrinsics, Pose
 from sim.moves import followed_by, into_camera
-from sim.raster import empty_buffer, perspective, rasterise
+from sim.raster import NOTHING, empty_buffer, perspective, rasterise
 from sim.renderer import NEAR_M
 from sim.triangles import Soup
+from sim.windows import Window
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -52,3 +53,23 @@ def look(
     flat, source = perspective(seen, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M)
     rasterise(flat, soup.body[source], 0, 0, nearness, body, True)
     return Visible(body, nearness)
+
+
+def show_middles(
+    visible: Visible, label: I32, nearness: F32, window: Window, supersample: int
+) -> None:
+    """Put movers over what is visible, in place.
+
+    Args:
+        visible: without them.
+        label: fine points of the window: which body is seen, `NOTHING` for what was there.
+        nearness: of the same points [1/m].
+        window: x0, y0, x1, y1 [px].
+        supersample: points per pixel and axis; if even, the point after the middle is taken.
+    """
+    x0, y0, x1, y1 = window
+    middle = slice(supersample // 2, None, supersample)
+    body = label[middle, middle]
+    moved = body != NOTHING
+    visible.body[y0:y1, x0:x1][moved] = body[moved]
+    visible.nearness[y0:y1, x0:x1][moved] = nearness[middle, middle][moved]

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
-from sim.camera import Intrinsics, Pose, project
+from sim.camera import Intrinsics, Pose
 from sim.moves import axes_along
 from sim.shadow_maps import Lamp
 
@@ -40,12 +41,34 @@ def whole(lens: Intrinsics) -> Window:
 
 def points_window(points_m: F64, pose: Pose, lens: Intrinsics) -> Window | None:
     """The window that holds the convex hull of world points, (n, 3)."""
-    pixels, depth = project(points_m, pose, lens)
-    if (depth <= 0).all():
+    low_x, low_y, high_x, high_y, behind = _span(points_m, pose.into, lens.focal_px)
+    if behind == len(points_m):
         return None
-    if (depth <= 0).any():
+    if behind:
         return whole(lens)
-    return window_around(pixels.min(axis=0), pixels.max(axis=0), lens)
+    middle = np.array([lens.width / 2, lens.height / 2])
+    low, high = np.array([low_x, low_y]), np.array([high_x, high_y])
+    return window_around(middle + low, middle + high, lens)
+
+
+@njit(cache=True, error_model="numpy")
+def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, float, float, int]:
+    """Least and greatest x and y of projected points from the axis [px]; how many lie behind."""
+    low_x = low_y = math.inf
+    high_x = high_y = -math.inf
+    behind = 0
+    for k in range(len(points_m)):
+        a, b, c = points_m[k, 0], points_m[k, 1], points_m[k, 2]
+        depth = into[2, 0] * a + into[2, 1] * b + into[2, 2] * c + into[2, 3]
+        if depth <= 0.0:
+            behind += 1
+            continue
+        scale = focal_px / depth
+        x = scale * (into[0, 0] * a + into[0, 1] * b + into[0, 2] * c + into[0, 3])
+        y = scale * (into[1, 0] * a + into[1, 1] * b + into[1, 2] * c + into[1, 3])
+        low_x, high_x = min(low_x, x), max(high_x, x)
+        low_y, high_y = min(low_y, y), max(high_y, y)
+    return low_x, low_y, high_x, high_y, behind
 
 
 def shadow_window(corners_m: F64, lamp: Lamp, pose: Pose, lens: Intrinsics) -> Window | None:
@@ -75,10 +98,13 @@ def beam_window(
     turn = np.arange(BEAM_RIM) * 2 * math.pi / BEAM_RIM
     radius = math.tan(angle_rad) / math.cos(math.pi / BEAM_RIM)  # around the circle, not inside
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1) @ axes_along(direction)[:2]
-    rays = (direction + radius * np.concatenate([circle, np.zeros((1, 3))])) * BEAM_REACH_M
-    falls = rays[:, 2] < -place_m[2]
-    rays[falls] *= (-place_m[2] / rays[falls, 2])[:, None]
-    return points_window(np.concatenate([place_m[None], place_m + rays]), pose, lens)
+    rim = (direction + radius * circle) * BEAM_REACH_M
+    after, falls = np.roll(rim, -1, axis=0), rim[:, 2] < -place_m[2]
+    between = falls != np.roll(falls, -1)  # where the rim's edge meets the ground
+    edge, along = rim[between], (after - rim)[between]
+    ground = edge - along * ((place_m[2] + edge[:, 2]) / along[:, 2])[:, None]
+    rim[falls] *= (-place_m[2] / rim[falls, 2])[:, None]
+    return points_window(place_m + np.concatenate([np.zeros((1, 3)), rim, ground]), pose, lens)
 
 
 def hull(windows: list[Window]) -> Window:

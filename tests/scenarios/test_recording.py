@@ -17,9 +17,10 @@ from scenarios.recording.entities import MOTION, SALIENCY, SURFACE_OFF, SURFACE_
 from scenarios.recording.event_batches import class_id
 from sim import Crossing, CrossingConfig, GroundTruth, project
 from sim import Direction as SceneDirection
-from sim.truth import ground_truth
+from sim.witness import Witness
 from tests.scenarios.drawn_events import events_at
 from tests.scenarios.reading import Reading
+from tests.sim.seen import target_on
 
 CELL_PX = 3
 PARAMETERS = {
@@ -35,14 +36,8 @@ def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth
     mask = np.zeros((260, 346), np.bool_)
     if seen:
         mask[120:150, 100:140] = True
-    return ground_truth(
-        crossing.scene,
-        crossing.trajectory,
-        crossing.intrinsics,
-        t_us=t_us,
-        t_s=crossing.seconds(t_us),
-        mask=mask,
-    )
+    witness = Witness(crossing.scene, crossing.intrinsics)
+    return witness.at(t_us, crossing.seconds(t_us), target_on(mask, crossing.scene))
 
 
 def estimate_at(t_us: int, hs: float, direction: Direction) -> MotionEstimate:

@@ -10,9 +10,11 @@ from scenarios.methods import read
 from scenarios.pipeline import make_detector
 from scenarios.repeats import run_repeats
 from sim import Crossing, CrossingConfig, Sample
-from sim.truth import ground_truth
+from sim.witness import Witness
+from tests.sim.seen import target_on
 
 CROSSING = Crossing(CrossingConfig())
+WITNESS = Witness(CROSSING.scene, CROSSING.intrinsics)
 
 
 def samples() -> Iterator[Sample]:
@@ -23,14 +25,7 @@ def samples() -> Iterator[Sample]:
         mask[100:160, 2 * k : 2 * k + 60] = True
         light[mask] = 300.0
         t_us = 1_500 * k
-        truth = ground_truth(
-            CROSSING.scene,
-            CROSSING.trajectory,
-            CROSSING.intrinsics,
-            t_us=t_us,
-            t_s=CROSSING.seconds(t_us),
-            mask=mask,
-        )
+        truth = WITNESS.at(t_us, CROSSING.seconds(t_us), target_on(mask, CROSSING.scene))
         yield Sample(t_us, light, truth, changed=(0, 0, 346, 260))
 
 

@@ -1,0 +1,147 @@
+"""The light of a sequence in one file: each sample as what it changes in the one before, exactly.
+
+A record is a head (length of the body, time, window, checksum) and a body: the window's pixels as
+32-bit codes, less those of the sample before, their bytes in planes, deflated. Most codes change
+little or not at all, so the high planes are nearly all zeros. Every checksum goes on from the one
+before and the first from the sequence's key, so that a record that is damaged, misplaced or of
+another sequence is known before any of its light is used.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.windows import Window
+
+F32 = npt.NDArray[np.float32]
+I32 = npt.NDArray[np.int32]
+U32 = npt.NDArray[np.uint32]
+
+LEVEL = 1
+"""Of deflation: the fastest; higher ones save a tenth and take several times as long (measured)."""
+_HEAD = struct.Struct("<Iq4i")
+_CHECK = struct.Struct("<I")
+
+
+class DamagedError(Exception):
+    """A file is not what was written."""
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """What the camera sees at one instant.
+
+    Attributes:
+        t_us: time since the start of the sequence [µs].
+        luminance: (height, width) float32 [cd/m²].
+        body: (height, width) int32, the rigid body that each pixel's middle shows; see
+            `sim.visible.Visible`.
+        changed: x0, y0, x1, y1 of a window outside of which both are as at the sample before,
+            half-open [px]; of the first sample, the whole image.
+    """
+
+    t_us: int
+    luminance: F32
+    body: I32
+    changed: Window
+
+
+class LightWriter:
+    """Writes samples to a file, one after the other."""
+
+    def __init__(self, file: BinaryIO, key: str) -> None:
+        """Begin.
+
+        Args:
+            file: open for writing, empty.
+            key: of the sequence.
+        """
+        self._file, self._check = file, zlib.crc32(key.encode())
+        self._before: U32 | None = None
+        self.written = 0
+        """Bytes so far."""
+
+    def write(self, light: Light) -> None:
+        """Append a sample.
+
+        Raises:
+            OSError: the file cannot take it.
+        """
+        codes = _codes(light)
+        if self._before is None:
+            self._before = np.zeros_like(codes)
+        x0, y0, x1, y1 = light.changed
+        now, before = codes[:, y0:y1, x0:x1], self._before[:, y0:y1, x0:x1]
+        body = zlib.compress(_planes(now - before), LEVEL)
+        before[:] = now
+        head = _HEAD.pack(len(body), light.t_us, *light.changed)
+        self._check = zlib.crc32(body, zlib.crc32(head, self._check))
+        record = head + _CHECK.pack(self._check) + body
+        self._file.write(record)
+        self.written += len(record)
+
+
+def read_light(file: BinaryIO, key: str, shape: tuple[int, int], count: int) -> Iterator[Light]:
+    """Read a file that `LightWriter` wrote.
+
+    Args:
+        file: open for reading, at its start.
+        key: of the sequence.
+        shape: height and width of its image.
+        count: how many samples it must hold.
+
+    Yields:
+        Samples; each owns its arrays.
+
+    Raises:
+        DamagedError: the file is not what was written; what came before is right.
+        OSError: it cannot be read.
+    """
+    check, codes = zlib.crc32(key.encode()), np.zeros((2, *shape), np.uint32)
+    left = os.fstat(file.fileno()).st_size
+    for _ in range(count):
+        head = file.read(_HEAD.size + _CHECK.size)
+        left -= len(head)
+        if len(head) < _HEAD.size + _CHECK.size:
+            raise DamagedError
+        length, t_us, *window = _HEAD.unpack_from(head)
+        if length > left:
+            raise DamagedError
+        body = file.read(length)
+        left -= length
+        check = zlib.crc32(body, zlib.crc32(head[: _HEAD.size], check))
+        if _CHECK.unpack_from(head, _HEAD.size)[0] != check:
+            raise DamagedError
+        _add(codes, body, tuple(window))
+        luminance, shown = codes.copy()
+        yield Light(t_us, luminance.view(np.float32), shown.view(np.int32), tuple(window))
+
+
+def _codes(light: Light) -> U32:
+    """(2, height, width) luminance and bodies, bit for bit."""
+    luminance = np.ascontiguousarray(light.luminance, np.float32).view(np.uint32)
+    return np.stack([luminance, np.ascontiguousarray(light.body, np.int32).view(np.uint32)])
+
+
+def _planes(codes: U32) -> bytes:
+    """All first bytes, then all second ones, and so on."""
+    return codes.reshape(-1, 1).view(np.uint8).T.tobytes()
+
+
+def _add(codes: U32, body: bytes, window: Window) -> None:
+    """Add what changed to (2, height, width) codes, in place."""
+    x0, y0, x1, y1 = window
+    try:
+        planes = np.frombuffer(zlib.decompress(body), np.uint8).reshape(4, -1)
+        change = np.ascontiguousarray(planes.T).view(np.uint32)
+        codes[:, y0:y1, x0:x1] += change.reshape(2, y1 - y0, x1 - x0)
+    except (zlib.error, ValueError) as error:
+        raise DamagedError from error

@@ -1,0 +1,181 @@
+"""What is so at a time in a scene: its moving objects, each measured in the image and the world."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from sim.camera import Intrinsics
+from sim.moves import into_camera
+from sim.scene import Scene
+from sim.scene_geometry import RATE_STEP_S, SceneGeometry
+from sim.silhouette import Silhouette
+from sim.truth import GroundTruth, ObjectTruth
+from sim.visible import Visible
+from sim.windows import Window
+
+F64 = npt.NDArray[np.float64]
+I8 = npt.NDArray[np.int8]
+I32 = npt.NDArray[np.int32]
+I64 = npt.NDArray[np.int64]
+
+
+class Witness:
+    """Knows the truth about a scene at any time. Not for several threads at once."""
+
+    def __init__(self, scene: Scene, lens: Intrinsics) -> None:
+        """Prepare.
+
+        Args:
+            scene: what is seen; stays as it is.
+            lens: the camera's.
+        """
+        self.geometry = SceneGeometry(scene, lens)
+        self._scene, self._lens = scene, lens
+        self._silhouettes = [
+            Silhouette(self.geometry.soup.of_bodies(item.bodies)) for item in scene.objects
+        ]
+        self._roots = np.array([item.root for item in scene.objects])
+        self._references_m = self._find_references()
+
+    def at(self, t_us: int, t_s: float, visible: Visible) -> GroundTruth:
+        """The truth at a time.
+
+        Args:
+            t_us: time since the start of the sequence [µs].
+            t_s: the same instant, since closest approach [s].
+            visible: what the camera sees then.
+        """
+        scene = self._scene
+        labels, counts = _count(visible.body, self.geometry.object_of, len(scene.objects))
+        motions = self._motions(t_s)
+        views = self.geometry.views(t_s)
+        objects = []
+        for k, (item, motion, count) in enumerate(zip(scene.objects, motions, counts, strict=True)):
+            seen = count[_AREA] > 0
+            shape = self._silhouettes[k]
+            objects.append(
+                ObjectTruth(
+                    name=item.name,
+                    kind=item.kind,
+                    reference_px=motion.reference_px,
+                    image_velocity_px_s=motion.image_velocity_px_s,
+                    angular_velocity_rad_s=motion.angular_velocity_rad_s,
+                    distance_m=motion.distance_m,
+                    visibility=shape.visibility(views, self._lens, labels, k) if seen else 0.0,
+                    bounding_box_px=_box(count) if seen else None,
+                    centroid_px=_centroid(count) if seen else None,
+                    labels=labels,
+                    number=k,
+                )
+            )
+        position_m = scene.trajectory.position_m(t_s)
+        return GroundTruth(t_us, scene.config.direction, position_m, tuple(objects))
+
+    def _motions(self, t_s: float) -> list[_Motion]:
+        """Where the objects' references are, and how they move."""
+        before, now, after = (
+            self._references_at(t_s + step) for step in (-RATE_STEP_S, 0.0, RATE_STEP_S)
+        )
+        rates = (after - before) / (2 * RATE_STEP_S)
+        return [
+            _motion(now[0, k], now[1, k], rates[0, k], rates[1, k], self._lens)
+            for k in range(len(self._roots))
+        ]
+
+    def _references_at(self, t_s: float) -> F64:
+        """(2, objects, 3) references from the camera [m]: along the world's axes, and its own."""
+        poses, pose = self.geometry.poses(t_s)[self._roots], self._scene.pose_at(t_s)
+        world = (poses[..., :3] @ self._references_m[..., None])[..., 0] + poses[..., 3]
+        apart = world - pose.position_m
+        return np.array([apart, apart @ into_camera(pose)[:, :3].T])
+
+    def _find_references(self) -> F64:
+        """(objects, 3) references in the frames of the objects' roots [m]."""
+        found = np.array([item.box_m.mean(axis=0) for item in self._scene.objects])
+        flank_m = self._scene.flank_m(self._scene.trajectory.position_m(0.0)).mean(axis=0)
+        root = self.geometry.poses(0.0)[self._roots[0]]
+        found[0] = (flank_m - root[:, 3]) @ root[:, :3]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """How one object's reference moves; see `ObjectTruth`."""
+
+    reference_px: F64
+    image_velocity_px_s: F64
+    angular_velocity_rad_s: float
+    distance_m: float
+
+
+def _motion(apart: F64, seen: F64, apart_rate: F64, seen_rate: F64, lens: Intrinsics) -> _Motion:
+    """What a place and its rate are in the image and around the camera.
+
+    Args:
+        apart: (3,) from the camera, along the world's axes [m].
+        seen: (3,) the same in the camera's frame [m].
+        apart_rate: (3,) rate of `apart` [m/s].
+        seen_rate: (3,) rate of `seen` [m/s].
+        lens: the camera's.
+    """
+    x, y, z = (float(part) for part in apart)
+    turning = abs(x * apart_rate[1] - y * apart_rate[0]) / (x * x + y * y)
+    depth = float(seen[2]) if seen[2] > 0 else math.nan
+    slope = seen[:2] / depth
+    return _Motion(
+        reference_px=np.array([lens.width / 2, lens.height / 2]) + lens.focal_px * slope,
+        image_velocity_px_s=lens.focal_px / depth * (seen_rate[:2] - slope * seen_rate[2]),
+        angular_velocity_rad_s=float(turning),
+        distance_m=math.sqrt(x * x + y * y + z * z),
+    )
+
+
+_AREA = 4
+"""Column of `_count`."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _count(body: I32, object_of: I8, objects: int) -> tuple[I8, I64]:
+    """Which object each pixel shows, and what each object's pixels add up to.
+
+    Args:
+        body: (height, width), -1 for the sky.
+        object_of: (bodies,) the object that each body belongs to, -1 for none.
+        objects: how many there are.
+
+    Returns:
+        (height, width) the object's number, -1 for none; and (objects, 7): lowest column and row,
+        highest column and row, half-open, number of pixels, and sums of their columns and rows.
+    """
+    height, width = body.shape
+    labels = np.full((height, width), -1, np.int8)
+    counts = np.zeros((objects, 7), np.int64)
+    counts[:, 0], counts[:, 1] = width, height
+    for row in range(height):
+        for column in range(width):
+            what = body[row, column]
+            if what <= 0 or object_of[what] < 0:
+                continue
+            k = object_of[what]
+            labels[row, column] = k
+            counts[k, 0] = min(counts[k, 0], column)
+            counts[k, 1] = min(counts[k, 1], row)
+            counts[k, 2] = max(counts[k, 2], column + 1)
+            counts[k, 3] = max(counts[k, 3], row + 1)
+            counts[k, 4] += 1
+            counts[k, 5] += column
+            counts[k, 6] += row
+    return labels, counts
+
+
+def _box(count: I64) -> Window:
+    return int(count[0]), int(count[1]), int(count[2]), int(count[3])
+
+
+def _centroid(count: I64) -> F64:
+    return np.asarray(count[5:] / count[_AREA] + 0.5)

@@ -1,0 +1,39 @@
+"""Light that nobody rendered: a patch that wanders over noise, seeded."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sim.cache import Lights
+from sim.light_file import Light
+
+SHAPE = 5, 7
+KEY = "a" * 64
+OTHER = "b" * 64
+
+
+def lights(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> Lights:
+    """Samples of which each changes a window of the one before; the third changes nothing."""
+    rng = np.random.default_rng(seed)
+    height, width = shape
+    luminance = rng.lognormal(3, 2, shape).astype(np.float32)
+    body = rng.integers(-1, 9, shape, np.int32)
+    window = 0, 0, width, height
+    for number in range(count):
+        yield Light(1000 * number, luminance.copy(), body.copy(), window)
+        x0, y0 = int(rng.integers(width - 1)), int(rng.integers(height - 1))
+        window = (x0, y0, width, height) if number != 1 else (0, 0, 0, 0)
+        x0, y0, x1, y1 = window
+        luminance[y0:y1, x0:x1] *= rng.lognormal(0, 1, (y1 - y0, x1 - x0)).astype(np.float32)
+        body[y0:y1, x0:x1] = rng.integers(-1, 300, (y1 - y0, x1 - x0))
+
+
+def same(one: Iterator[Light], other: Iterator[Light]) -> bool:
+    """Whether both give the same samples, bit for bit."""
+    return [_bits(light) for light in one] == [_bits(light) for light in other]
+
+
+def _bits(light: Light) -> tuple[object, ...]:
+    arrays = light.luminance, light.body
+    told = [(array.dtype, array.shape, array.tobytes()) for array in arrays]
+    return light.t_us, light.changed, *told
