@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from detector.contrast_search import Candidate, RewardAt, search_cold, search_warm, sunflower
+from detector.contrast_search import Candidate, RewardAt, search_cold, search_warm
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import Hops
@@ -32,19 +33,11 @@ __all__ = [
     "maximise_contrast",
 ]
 
+F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
-_LOOK_ROUND = 48
-"""Velocities whose rewards say what chance gives (assumed)."""
-_LOOK_ROUND_PX = 2.0
-"""Pixel side at which they are compared with the best (assumed)."""
-_MAD_TO_SIGMA = 1.4826
-"""Standard deviation over median absolute deviation of a normal variable."""
-_FAIR_PHASE_PX = (1.0 - math.sqrt(1.0 / 3.0)) / 2.0
-"""Where the pixels lie between those of the image of warped events. A bilinear vote at phase φ has
-the energy φ² + (1 − φ)² along an axis: 1 at a pixel's middle, on which all votes for a velocity of 0
-would fall, and 2/3 on average, which is what others get. Every reward would favour rest. At this
-phase it is 2/3 too."""
+_SHUFFLES = 16
+"""How many times the events' times are exchanged to see what chance gives (assumed)."""
 _BELOW_ONE = math.nextafter(1.0, 0.0)
 
 
@@ -67,9 +60,7 @@ class ContrastConfig:
         warm_start: whether an estimate starts from the one before, and looks everywhere only where
             that fails.
         prominence_floor: least prominence of a velocity that counts as motion; see
-            `ContrastEstimate`. 8 (assumed): drawn noise of 0.1 to 20 Hz a pixel stays below.
-        least_smear_px: motion by less than this over the window is none [px]. 1 (assumed): what
-            flickers in its place has its highest contrast at rest.
+            `ContrastEstimate`. PFLOOR
 
     Raises:
         DetectorConfigError: a value of another type or outside its range.
@@ -82,8 +73,7 @@ class ContrastConfig:
     most_events: int = 20_000
     least_events: int = 50
     warm_start: bool = True
-    prominence_floor: float = 8.0
-    least_smear_px: float = 1.0
+    prominence_floor: float = 10.0
 
     def __post_init__(self) -> None:
         """Check every value, and bring it to its type."""
@@ -106,7 +96,6 @@ _RANGES: dict[str, tuple[float, float]] = {
     "most_events": (10, 10_000_000),
     "least_events": (2, 10_000_000),
     "prominence_floor": (0.0, 1e6),
-    "least_smear_px": (0.0, 100.0),
 }
 
 
@@ -117,9 +106,9 @@ class ContrastEstimate:
     Attributes:
         velocity_px_s: (x, y) [px/s].
         reward: of that velocity, with image pixels of 1 px.
-        prominence: how far the reward stands out from those of velocities all over the range:
-            their median subtracted, over their spread as a standard deviation. Both with image
-            pixels of 2 px.
+        prominence: how far the reward stands out from those of the same velocity when the events
+            have exchanged their times, in standard deviations. What moves loses its edges by
+            that; noise does not, nor does what flickers in its place.
         is_cold: whether all velocities were looked at.
     """
 
@@ -164,21 +153,28 @@ def maximise_contrast(
     def reward_at(velocities: F64, scale_px: float) -> F64:
         return rewards(points, velocities, scale_px=scale_px, reward=c.reward, area_px=area)
 
-    elsewhere = reward_at(sunflower(_LOOK_ROUND, c.limit_px_s), _LOOK_ROUND_PX)
+    def told(velocity: Candidate, *, is_cold: bool) -> ContrastEstimate:
+        here = np.array([velocity])
+        reward = float(reward_at(here, 1.0)[0])
+        by_chance = [
+            float(rewards(p, here, scale_px=1.0, reward=c.reward, area_px=area)[0])
+            for p in _shuffled(points)
+        ]
+        return ContrastEstimate(velocity, reward, _standard_score(reward, by_chance), is_cold)
+
     if start is not None:
         velocity = search_warm(reward_at, start, window_s=window_s)
-        found = _found(reward_at, velocity, elsewhere, is_cold=False)
+        found = told(velocity, is_cold=False)
         if found.prominence >= c.prominence_floor and math.hypot(*velocity) <= c.limit_px_s:
             return found
     velocity = search_cold(reward_at, window_s=window_s, limit_px_s=c.limit_px_s)
-    return _found(reward_at, velocity, elsewhere, is_cold=True)
+    return told(velocity, is_cold=True)
 
 
-def centred_points(events: Events, *, middle_us: float) -> npt.NDArray[np.float32]:
+def centred_points(events: Events, *, middle_us: float) -> F32:
     """Events as (3, n) float32: x [px], y [px] and the time from the window's middle [s]."""
     t = (events["t"] - middle_us) * 1e-6
-    x, y = events["x"] + _FAIR_PHASE_PX, events["y"] + _FAIR_PHASE_PX
-    return np.stack([x, y, t]).astype(np.float32)
+    return np.stack([events["x"], events["y"], t]).astype(np.float32)
 
 
 def _thinned(events: Events, most: int) -> Events:
@@ -187,19 +183,16 @@ def _thinned(events: Events, most: int) -> Events:
     return events[np.arange(most) * events.size // most]
 
 
-def _found(
-    reward_at: RewardAt, velocity: Candidate, elsewhere: F64, *, is_cold: bool
-) -> ContrastEstimate:
-    here = np.array([velocity])
-    median = float(np.median(elsewhere))
-    spread = _MAD_TO_SIGMA * float(np.median(np.abs(elsewhere - median)))
-    above = float(reward_at(here, _LOOK_ROUND_PX)[0]) - median
-    return ContrastEstimate(
-        velocity_px_s=velocity,
-        reward=float(reward_at(here, 1.0)[0]),
-        prominence=above / spread if spread > 0.0 else 0.0,
-        is_cold=is_cold,
-    )
+def _shuffled(points: F32) -> Iterator[F32]:
+    """The same events with their times exchanged at random, the same for the same events."""
+    rng = np.random.default_rng(0)
+    for _ in range(_SHUFFLES):
+        yield np.stack([points[0], points[1], rng.permutation(points[2])])
+
+
+def _standard_score(value: float, others: Sequence[float]) -> float:
+    spread = float(np.std(others, ddof=1))
+    return (value - float(np.mean(others))) / spread if spread > 0.0 else 0.0
 
 
 class ContrastMaximisation:
@@ -256,25 +249,25 @@ class ContrastMaximisation:
             config=c,
             start=self._before,
         )
-        is_motion = found is not None and found.prominence >= c.prominence_floor
-        velocity = found.velocity_px_s if found is not None else (0.0, 0.0)
-        self._before = velocity if is_motion and c.warm_start else None
-        return self._told(end_us, velocity, found.prominence if found is not None else 0.0)
+        if found is None or found.prominence < c.prominence_floor:
+            self._before = None
+        elif c.warm_start:
+            self._before = found.velocity_px_s
+        return self._told(end_us, found)
 
-    def _told(
-        self, end_us: int, velocity: Candidate, prominence: float
-    ) -> MotionEstimate:
+    def _told(self, end_us: int, found: ContrastEstimate | None) -> MotionEstimate:
         """The velocity as every detector says it."""
         c = self.config
+        velocity, prominence = (
+            (found.velocity_px_s, found.prominence) if found is not None else ((0.0, 0.0), 0.0)
+        )
         hs, vs = (max(-_BELOW_ONE, min(_BELOW_ONE, v / c.limit_px_s)) for v in velocity)
-        least_px_s = c.least_smear_px / (c.window_us * 1e-6)
-        ratio = prominence if math.hypot(*velocity) >= least_px_s else 0.0
-        floor = c.prominence_floor
+        snr, floor = (prominence, prominence), c.prominence_floor
         return MotionEstimate(
             t_us=end_us,
             hs=hs,
             vs=vs,
-            direction=winner_take_all(hs, vs, snr=(ratio, ratio), snr_floor=floor),
+            direction=winner_take_all(hs, vs, snr=snr, snr_floor=floor),
             strength=max(abs(hs), abs(vs)),
             response=velocity,
             view_centre_px=(self._width / 2, self._height / 2),

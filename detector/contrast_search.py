@@ -77,13 +77,6 @@ def square(reach: int, step: float) -> F64:
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
 
 
-def sunflower(number: int, radius: float) -> F64:
-    """Points that fill a disc evenly and share no row or column, (number, 2)."""
-    n = np.arange(number)
-    r, angle = radius * np.sqrt((n + 0.5) / number), n * math.pi * (3.0 - math.sqrt(5.0))
-    return np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
-
-
 def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Candidate]:
     """The highest points of all, none nearer to a higher one than `apart` along both axes."""
     chosen: list[Candidate] = []

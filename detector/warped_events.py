@@ -1,7 +1,9 @@
 """The image of warped events and what it is worth: the kernels of contrast maximisation.
 
 An event at (x, y, t) is moved back along a candidate velocity v to the middle of the window,
-x′ = x − v·t, and voted into an image. The better the candidate, the fewer pixels the events of an
+x′ = x − v·t, and voted into an image that is then smoothed by a Gaussian of one pixel. Without
+that, votes would favour velocities that put many events on the middle of pixels, and rest most of
+all. The better the candidate, the fewer pixels the events of an
 edge share, and the higher the contrast. The image is as large as the warped events need, so that
 none is lost and no candidate gains from pushing events out; rewards are sums over all pixels
 there could be, divided by the number of a fixed area.
@@ -37,8 +39,9 @@ class Reward(IntEnum):
 SUPPRESSION = 3.0
 """p of the suppressed accumulations; the value of Stoffregen's published code."""
 
-_RIM = 2
-"""Empty pixels kept around the warped events; a vote spreads by one."""
+_RIM = 5
+"""Empty pixels kept around the warped events: a vote spreads by one, smoothing by two, and two
+more are the border of the smoothing."""
 
 
 def rewards(
@@ -58,73 +61,118 @@ def rewards(
     """
     found = np.zeros(len(velocities))
     if points.shape[1]:
-        reach = np.abs(velocities).max(axis=0) * float(np.abs(points[2]).max())
-        spans = (np.ptp(points[:2], axis=1) + 2 * reach) / scale_px + 2 * _RIM + 2
-        room = np.zeros(int(spans[0] + 1) * int(spans[1] + 1), np.float32)
-        pixels = area_px / scale_px**2
-        _rewards(points, velocities, 1.0 / scale_px, int(reward), pixels, room, found)
+        room = _room(points, velocities, scale_px)
+        _rewards(points, velocities, 1.0 / scale_px, int(reward), area_px / scale_px**2, room, found)
     return found
 
 
 def warped_image(points: F32, velocity: tuple[float, float], *, scale_px: float = 1.0) -> F32:
-    """The image itself, for display and tests; (rows, columns) float32, its origin unspecified."""
-    vx, vy = velocity
-    reach = np.abs(velocity) * float(np.abs(points[2]).max(initial=0.0))
-    spans = (np.ptp(points[:2], axis=1) + 2 * reach) / scale_px + 2 * _RIM + 2
-    room = np.zeros(int(spans[0] + 1) * int(spans[1] + 1), np.float32)
-    image, _ = _vote(points, vx, vy, 1.0 / scale_px, room)
-    return np.array(image)
+    """The image itself, as large as it needs to be; (rows, columns) float32, of at least an event.
+
+    Arguments are those of `rewards`.
+    """
+    room = _room(points, np.array([velocity]), scale_px)
+    image: F32 = _image(points, *velocity, 1.0 / scale_px, room).copy()
+    return image
+
+
+def _room(points: F32, velocities: F64, scale_px: float) -> F32:
+    """Memory for an image of any of the candidates, and for one of its rows."""
+    reach = np.abs(velocities).max(axis=0) * float(np.abs(points[2]).max())
+    columns, rows = (np.ptp(points[:2], axis=1) + 2 * reach) / scale_px + 2 * _RIM + 3
+    return np.zeros(int(columns) * (int(rows) + 1), np.float32)
 
 
 @njit(cache=True, nogil=True)
 def _rewards(
     points: Any, velocities: Any, per_px: float, kind: int, pixels: float, room: Any, found: Any
 ) -> None:
-    mean = points.shape[1] / pixels
     for n in range(velocities.shape[0]):
-        image, squares = _vote(points, velocities[n, 0], velocities[n, 1], per_px, room)
+        image = _image(points, velocities[n, 0], velocities[n, 1], per_px, room)
         if kind == 0:
-            found[n] = squares / pixels - mean * mean
+            found[n] = _energy(image) / pixels - (points.shape[1] / pixels) ** 2
         elif kind == 1:
             found[n] = _gradient_energy(image) / pixels
+        elif kind == 2:
+            found[n] = 1.0 - _accumulated(image) / pixels
         else:
-            empty = 1.0 - _accumulated(image) / pixels
-            found[n] = empty if kind == 2 else empty * squares / pixels
+            found[n] = (1.0 - _accumulated(image) / pixels) * _energy(image) / pixels
+
+
+@njit(cache=True, nogil=True)
+def _image(points: Any, vx: float, vy: float, per_px: float, room: Any) -> Any:
+    """Image of warped events: bilinear votes, smoothed."""
+    x0, y0, columns, rows = _extent(points, vx * per_px, vy * per_px, per_px)
+    image = room[: rows * columns].reshape(rows, columns)
+    image[:] = np.float32(0.0)
+    _vote(points, vx * per_px, vy * per_px, per_px, x0, y0, image.reshape(-1), columns)
+    _smooth(image, room[rows * columns : (rows + 1) * columns])
+    return image
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _vote(points: Any, vx: float, vy: float, per_px: float, room: Any) -> Any:
-    """Image of warped events by bilinear votes, and Σ h², which grows with every vote."""
+def _extent(points: Any, ux: float, uy: float, per_px: float) -> Any:
+    """Origin, columns and rows of the image; the origin is whole, so that extents do not matter."""
     x, y, t = points[0], points[1], points[2]
-    one = np.float32(1.0)
-    share, ux, uy = np.float32(per_px), np.float32(vx * per_px), np.float32(vy * per_px)
-    low_x = high_x = x[0] * share - ux * t[0]
-    low_y = high_y = y[0] * share - uy * t[0]
+    a, bx, by = np.float32(per_px), np.float32(ux), np.float32(uy)
+    low_x = high_x = x[0] * a - bx * t[0]
+    low_y = high_y = y[0] * a - by * t[0]
     for i in range(1, x.size):
-        px, py = x[i] * share - ux * t[i], y[i] * share - uy * t[i]
+        px, py = x[i] * a - bx * t[i], y[i] * a - by * t[i]
         low_x, high_x = min(low_x, px), max(high_x, px)
         low_y, high_y = min(low_y, py), max(high_y, py)
-    # Cuts at whole pixels, so that the image's place does not depend on its extent.
     x0, y0 = np.floor(low_x) - np.float32(_RIM), np.floor(low_y) - np.float32(_RIM)
-    columns, rows = int(high_x - x0) + _RIM + 1, int(high_y - y0) + _RIM + 1
-    image = room[: rows * columns]
-    image[:] = np.float32(0.0)
-    squares = 0.0
+    return x0, y0, int(high_x - x0) + _RIM + 1, int(high_y - y0) + _RIM + 1
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _vote(
+    points: Any, ux: float, uy: float, per_px: float, x0: Any, y0: Any, flat: Any, columns: int
+) -> None:
+    """Share each event among the four pixels around it."""
+    x, y, t = points[0], points[1], points[2]
+    a, bx, by, one = np.float32(per_px), np.float32(ux), np.float32(uy), np.float32(1.0)
     for i in range(x.size):
-        px, py = x[i] * share - ux * t[i] - x0, y[i] * share - uy * t[i] - y0
+        px, py = x[i] * a - bx * t[i] - x0, y[i] * a - by * t[i] - y0
         column, row = int(px), int(py)
         fx, fy = px - np.float32(column), py - np.float32(row)
         at = row * columns + column
-        for k, w in (
-            (at, (one - fx) * (one - fy)),
-            (at + 1, fx * (one - fy)),
-            (at + columns, (one - fx) * fy),
-            (at + columns + 1, fx * fy),
-        ):
-            h = image[k]
-            squares += w * (h + h + w)
-            image[k] = h + w
-    return image.reshape(rows, columns), squares
+        flat[at] += (one - fx) * (one - fy)
+        flat[at + 1] += fx * (one - fy)
+        flat[at + columns] += (one - fx) * fy
+        flat[at + columns + 1] += fx * fy
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _smooth(image: Any, line: Any) -> None:
+    """Blur both axes by the binomial 1 4 6 4 1, a Gaussian of σ = 1 pixel; the rim is empty."""
+    rows, columns = image.shape
+    b, c, d = np.float32(1 / 16), np.float32(4 / 16), np.float32(6 / 16)
+    for r in range(rows):
+        here = image[r]
+        line[:] = here
+        for k in range(2, columns - 2):
+            near, far = line[k - 1] + line[k + 1], line[k - 2] + line[k + 2]
+            here[k] = d * line[k] + c * near + b * far
+    # Downwards with the two rows above kept, so that one image is enough.
+    above, above2 = np.zeros(columns, np.float32), np.zeros(columns, np.float32)
+    for r in range(rows - 2):
+        here, below, below2 = image[r], image[r + 1], image[r + 2]
+        for k in range(columns):
+            old = here[k]
+            here[k] = d * old + c * (above[k] + below[k]) + b * (above2[k] + below2[k])
+            above2[k] = above[k]
+            above[k] = old
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _energy(image: Any) -> float:
+    """Sum of h²."""
+    flat = image.reshape(-1)
+    total = 0.0
+    for k in range(flat.size):
+        total += flat[k] * flat[k]
+    return float(total)
 
 
 @njit(cache=True, nogil=True, fastmath=True)

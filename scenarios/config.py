@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from detector.fly_config import FlyConfig
@@ -51,10 +52,17 @@ class RunConfig:
 
     @property
     def name(self) -> str:
-        """A folder name that tells what is in it."""
+        """A folder name that tells what is in it; a digest stands for whatever else is special."""
         c = self.crossing
         method = "" if self.method == FLY else f"_{self.method.replace(':', '.')}"
-        return f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}{method}"
+        plain = CrossingConfig(c.lighting, c.omega_rad_s, c.direction)
+        usual = replace(self, crossing=plain, sensor=SensorConfig(), fly=None)
+        special = ""
+        if usual.parameters() != self.parameters():
+            digest = hashlib.sha256(repr(sorted(self.parameters().items())).encode()).hexdigest()
+            special = f"_{digest[:8]}"
+        name = f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}"
+        return name + method + special
 
     def parameters(self) -> dict[str, object]:
         """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""

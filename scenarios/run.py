@@ -8,8 +8,10 @@ from typing import Annotated, Literal
 
 import tyro
 
-from emulator import SensorConfig
+from emulator import SensorConfig, preset
+from emulator.presets import PresetName
 from scenarios.config import RunConfig
+from scenarios.distractor_options import DistractorOptions
 from scenarios.errors import ScenarioError
 from scenarios.light_options import LightOptions
 from scenarios.methods import FLY
@@ -18,7 +20,14 @@ from scenarios.pipeline import make_detector
 from scenarios.report import print_runs
 from scenarios.sequence import run_sequence
 from scenarios.terminal import progress_bar, script
-from sim import CrossingConfig, Direction, Lighting, Profile, omega_from_speed
+from sim import (
+    CrossingConfig,
+    Direction,
+    Lighting,
+    Profile,
+    VehicleKind,
+    omega_from_speed,
+)
 from sim.config import DISTANCE_M, PAPER_OMEGA_RAD_S
 
 LOGS = Path("logs")
@@ -30,8 +39,8 @@ SECOND_SPEED = 1
 class Run:
     """Run one sequence: render it, turn it into events, read its direction, record everything."""
 
-    lighting: Literal["day", "night"] = "day"
-    """Sun and sky, or street lamps and headlights."""
+    lighting: Literal["day", "dusk", "night"] = "day"
+    """Sun and sky, or a fading sky with lamps, or street lamps and headlights."""
     omega: Annotated[float | None, tyro.conf.arg(metavar="RAD_S")] = None
     """Angular velocity at closest approach [rad/s]; the paper's 40 km/h where not given."""
     speed_km_h: Annotated[float | None, tyro.conf.arg(metavar="KM_H")] = None
@@ -40,22 +49,40 @@ class Run:
     """Where the vehicle goes in the image."""
     profile: Literal["constant_speed", "constant_omega"] = "constant_speed"
     """What is held constant: the speed on the road, or the angular velocity."""
+    vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
+    """What drives."""
+    paint_reflectance: float = CrossingConfig.paint_reflectance
+    """Of its paint, 0.04 (black) to 0.8 (white); 0.13 all but vanishes before the road by day."""
     distance_m: float | None = None
-    """From the camera to the vehicle's flank [m]; the paper's 6.89 by day, 7.79 by night."""
+    """From the camera to its flank [m]; the paper's 6.89 by day and dusk, 7.79 by night."""
     illuminance_lux: float | None = None
-    """On the road [lux]; 30 000 by day, 10 by night."""
+    """On the road, 0.1 to 100 000 [lux]; 30 000 by day, 50 at dusk, 10 by night."""
+    sun_azimuth_deg: float = CrossingConfig.sun_azimuth_deg
+    """By day: 0 is straight ahead of the camera, positive to its right [deg]."""
+    sun_elevation_deg: float = CrossingConfig.sun_elevation_deg
+    """By day: over the horizon, 5 to 90 [deg]."""
+    street_seed: int = 0
+    """Seed of the houses, trees, parked cars and lit windows."""
+    distractors: tyro.conf.EnumChoicesFromValues[DistractorOptions] = field(
+        default_factory=DistractorOptions
+    )
+    """What else moves or flickers."""
     seed: int = 0
     """Seed of everything random; the same gives the same events."""
     method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
     """Detector: fly, wide, or a class of your own as package.module:Class."""
+    sensor: PresetName = "davis346"
+    """Preset of the sensor; a smaller one sees the middle of the view, its pixels as large."""
     noise: bool = True
-    """Whether the sensor has leak, shot noise, hot pixels and noisy frames."""
+    """Whether a davis346 has leak, shot noise, hot pixels and noisy frames."""
     lead_s: float = 0.15
     """How long the sequence lasts before the vehicle comes, and after it has gone [s]."""
-    step_px: float = 0.5
+    step_px: float = CrossingConfig.step_px
     """The farthest that anything may move in the image between two samples [px]."""
-    supersample: int = 2
-    """Rendered pixels per sensor pixel along each axis."""
+    supersample: int = CrossingConfig.supersample
+    """Drawn points per pixel along each axis."""
+    keyframe_px: float = CrossingConfig.keyframe_px
+    """How far anything moves in the image from one keyframe to the next [px]."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder to write; a name under logs/ that tells the parameters where not given."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
@@ -78,10 +105,16 @@ class Run:
             lead_s=self.lead_s,
             step_px=self.step_px,
             supersample=self.supersample,
+            keyframe_px=self.keyframe_px,
+            vehicle=VehicleKind(self.vehicle),
+            paint_reflectance=self.paint_reflectance,
+            sun_azimuth_deg=self.sun_azimuth_deg,
+            sun_elevation_deg=self.sun_elevation_deg,
+            street_seed=self.street_seed,
+            distractors=self.distractors.checked(),
         )
-        sensor = SensorConfig() if self.noise else SensorConfig.noise_free()
         crossing = replace(crossing, omega_rad_s=self._omega(lighting))
-        return RunConfig(crossing, sensor, method=self.method, seed=self.seed)
+        return RunConfig(crossing, self._sensor(), method=self.method, seed=self.seed)
 
     def execute(self) -> int:
         """Run, and print the closing table."""
@@ -94,10 +127,20 @@ class Run:
         print_runs([(folder, summary)])
         return 0
 
+    def _sensor(self) -> SensorConfig:
+        if self.noise:
+            return preset(self.sensor)
+        if self.sensor != "davis346":
+            raise ScenarioError(
+                f"--sensor is {self.sensor} and --no-noise is given; allowed is --no-noise with "
+                "davis346; choose --sensor ideal or v2e_clean for less noise"
+            )
+        return SensorConfig.noise_free()
+
     def _omega(self, lighting: Lighting) -> float:
         if self.speed_km_h is None:
-            default = PAPER_OMEGA_RAD_S[lighting][SECOND_SPEED]
-            return default if self.omega is None else self.omega
+            paper = PAPER_OMEGA_RAD_S.get(lighting, PAPER_OMEGA_RAD_S[Lighting.DAY])
+            return paper[SECOND_SPEED] if self.omega is None else self.omega
         if self.omega is not None:
             raise ScenarioError(
                 f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}; allowed is one of "

@@ -70,7 +70,12 @@ def has_display() -> bool:
 
 def script(command: Any) -> None:
     """Run a command class from the command line, and end the process with its status."""
-    sys.exit(execute(tyro.cli(command)))
+    try:
+        chosen = tyro.cli(command)
+    except REFUSALS as refusal:  # of an argument that checks itself when made
+        print(f"flybench: {refusal}", file=sys.stderr)
+        sys.exit(2)
+    sys.exit(execute(chosen))
 
 
 def execute(command: Command) -> int:

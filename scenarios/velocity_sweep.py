@@ -64,10 +64,10 @@ class VelocitySweep:
     """Seed of everything random; the same gives the same events."""
     seeds: int = 1
     """How many sensors see each rendering, with seeds from --seed on."""
-    step_px: float = 0.5
+    step_px: float = CrossingConfig.step_px
     """The farthest that anything may move in the image between two samples [px]."""
-    supersample: int = 2
-    """Rendered pixels per sensor pixel along each axis."""
+    supersample: int = CrossingConfig.supersample
+    """Drawn points per pixel along each axis."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for the table and the figure of GRMS against velocity; nothing is written without."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)

@@ -26,7 +26,7 @@ I32 = npt.NDArray[np.int32]
 U32 = npt.NDArray[np.uint32]
 
 LEVEL = 1
-"""Of deflation: the fastest; higher ones save a tenth and take several times as long (measured)."""
+"""Of deflation: the fastest; level 6 saves 9 % and takes twice as long to write (measured)."""
 _HEAD = struct.Struct("<Iq4i")
 _CHECK = struct.Struct("<I")
 

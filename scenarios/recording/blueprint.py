@@ -13,7 +13,11 @@ PLAYBACK_SPEED = 0.1
 """A crossing takes a second; a tenth of its speed lets the eye follow it."""
 EYE_M, LOOK_AT_M = (-6.0, -12.5, 4.2), (0.6, -2.8, 0.9)
 """The 3-D view from above and behind the camera, the near houses out of the way [m]."""
-SKY_RGB = {Lighting.DAY: (92, 124, 160), Lighting.NIGHT: (14, 16, 24)}
+SKY_RGB = {
+    Lighting.DAY: (92, 124, 160),
+    Lighting.DUSK: (50, 60, 84),
+    Lighting.NIGHT: (14, 16, 24),
+}
 
 
 def blueprint(crossing: Crossing, *, has_maps: bool = True) -> rrb.Blueprint:
