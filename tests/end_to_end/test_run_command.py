@@ -98,7 +98,9 @@ def test_a_run_replaces_an_earlier_one(ran: tuple[Path, str]) -> None:
         (("--omega", "1", "--speed-km-h", "40"), ("--omega is 1.0", "leave the other out")),
         (("--seed", "-3"), ("seed is -3", "allowed is")),
         (("--illuminance-lux", "1e9"), ("illuminance_lux is 1000000000.0", "allowed is")),
-        (("--lighting", "dusk"), ("dusk", "day", "night")),
+        (("--lighting", "moon"), ("moon", "day", "dusk", "night")),
+        (("--distractors.wind-grade", "99"), ("wind_grade is 99", "allowed is 0 to 8")),
+        (("--vehicle", "tank"), ("tank", "sedan", "van", "motorcycle")),
     ],
 )
 def test_a_bad_value_is_refused_in_a_sentence(

@@ -22,7 +22,12 @@ def above(height_m: float) -> Pose:
 
 
 def flat_street(
-    depth_m: float, parts: F32, *, albedo: float = 0.0, lens: Intrinsics = LENS, size: int = 3
+    depth_m: float,
+    parts: npt.NDArray[np.floating[Any]],
+    *,
+    albedo: float = 0.0,
+    lens: Intrinsics = LENS,
+    size: int = 3,
 ) -> Street:
     """A street in the image's plane.
 
@@ -54,7 +59,7 @@ def flat_street(
 
 def lights(*gains: float, **others: Any) -> Lights:
     """Lights without shadows or beams, but for what `others` says."""
-    none = {
+    none: dict[str, Any] = {
         "gains": np.array(gains),
         "maps": np.zeros((0, 4, 4), np.float32),
         "sizes": np.zeros((0, 2), np.int64),

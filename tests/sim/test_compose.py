@@ -203,10 +203,11 @@ def test_a_shadow_ends_with_its_reach() -> None:
     np.testing.assert_allclose(image[12:18, 2:28], 1, rtol=1e-5)
 
 
-def test_two_shadows_in_one_light_darken_it_once() -> None:
+@pytest.mark.parametrize("edges_px", [(30.5, 30.5), (30.5, 14.5), (14.5, 30.5)])
+def test_two_shadows_in_one_light_darken_it_once(edges_px: tuple[float, float]) -> None:
     street = flat_street(STREET_M, np.array([1.0, 2.0]))
-    one = half_shadow(30.5, 0)
-    both = {name: np.concatenate([value, value]) for name, value in one.items()}
+    one, other = (half_shadow(edge, 0) for edge in edges_px)
+    both = {name: np.concatenate([one[name], other[name]]) for name in one}
     image = composed(street, lights(1.0, 1.0, **both))
     np.testing.assert_allclose(image[:, 2:28], 1, rtol=1e-5)
     np.testing.assert_allclose(image[:, 33:], 3, rtol=1e-6)

@@ -19,7 +19,7 @@ from tests.sim.flat import above, composed, flat_street
 F32 = npt.NDArray[np.float32]
 
 LENS = Intrinsics(width=64, height=48, focal_px=40.0)
-EYE_M, LAMP_M, CANDELA, CUTOFF_DEG = 3.0, 2.0, 5000.0, 40.0
+EYE_M, LAMP_M, CANDELA, CUTOFF_DEG, ALBEDO = 3.0, 2.0, 5000.0, 40.0, 0.2
 
 
 def lamp_over_a_plane(direction: str, softness: float = 0.5) -> mujoco.MjModel:
@@ -54,8 +54,8 @@ def beam(model: mujoco.MjModel) -> F32:
     reach = LightReach(model, data, (obj,), pose, LENS)
     moving = MovingLight(model, triangle_soup(model).of_bodies(obj.bodies), reach)
     light = moving.lights(data, body_poses(data), reach.at(data), np.ones(1))
-    street = flat_street(EYE_M, np.zeros(1), albedo=1.0, lens=LENS)
-    return composed(street, light, lens=LENS)
+    street = flat_street(EYE_M, np.zeros(1), albedo=ALBEDO, lens=LENS)
+    return composed(street, light, lens=LENS) / np.float32(ALBEDO)
 
 
 def drawn(model: mujoco.MjModel) -> F32:

@@ -118,8 +118,9 @@ def test_what_shows_its_back_is_left_out() -> None:
 
 
 @pytest.mark.parametrize("inside", [0, 1, 2, 3])
-def test_the_near_plane_cuts(inside: int) -> None:
-    triangle = np.array([[[0, -1, -1], [1, 1, -1], [-1, 1, -1]]], float)
+@pytest.mark.parametrize("nearer_m", [-1.0, NEAR / 2])
+def test_the_near_plane_cuts(nearer_m: float, inside: int) -> None:
+    triangle = np.array([[[0, -1, nearer_m], [1, 1, nearer_m], [-1, 1, nearer_m]]])
     triangle[0, :inside, 2] = 2
     flat, source = seen(triangle)
     assert len(flat) == len(source) == (0, 1, 2, 1)[inside]

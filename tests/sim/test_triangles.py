@@ -16,6 +16,7 @@ from sim.street_light import draw_triangles
 from sim.triangles import triangle_soup, unit_normals
 
 SHAPES = """<mujoco>
+  <visual><quality numslices="{slices}" numstacks="{stacks}"/></visual>
   <asset><mesh name="wedge" vertex="0 0 0  .6 0 0  0 .6 0  0 0 .6  .3 .3 .5"/></asset>
   <worldbody>
     <light type="directional" dir=".3 1 -1" intensity="1000"/>
@@ -28,7 +29,6 @@ SHAPES = """<mujoco>
     </body>
     <geom type="ellipsoid" size=".3 .2 .15" pos="-1 0 1.2" euler="0 30 70"/>
     <geom type="mesh" mesh="wedge" pos=".2 0 1.1" euler="20 0 40"/>
-    <geom type="box" size="9 9 9" rgba="1 1 1 0"/>
   </worldbody>
 </mujoco>"""
 POSE = Pose(np.array([0.0, -3.0, 1.0]))
@@ -47,12 +47,15 @@ def differing(model: mujoco.MjModel, data: mujoco.MjData, pose: Pose, lens: Intr
     return float((geom != reference).mean())
 
 
-def test_shapes_are_drawn_facet_for_facet_as_the_renderer_draws_them() -> None:
-    model = mujoco.MjModel.from_xml_string(SHAPES)
+@pytest.mark.parametrize(("slices", "stacks"), [(8, 3), (6, 10), (28, 16)])
+def test_shapes_are_drawn_facet_for_facet_as_the_renderer_draws_them(
+    slices: int, stacks: int
+) -> None:
+    model = mujoco.MjModel.from_xml_string(SHAPES.format(slices=slices, stacks=stacks))
     data = mujoco.MjData(model)
     data.qpos[:] = [0.2, -0.3]
     mujoco.mj_forward(model, data)
-    assert differing(model, data, POSE, Intrinsics(120, 80, 100.0).scaled(3)) < 0.002
+    assert differing(model, data, POSE, Intrinsics(120, 80, 100.0).scaled(3)) < 0.0005
 
 
 def test_the_street_is_drawn_as_the_renderer_draws_it() -> None:
@@ -60,7 +63,14 @@ def test_the_street_is_drawn_as_the_renderer_draws_it() -> None:
     data = mujoco.MjData(scene.model)
     scene.place(data, 0.1)
     lens = Intrinsics(116, 87, 324 / 3).scaled(3)
-    assert differing(scene.model, data, scene.pose, lens) < 0.002
+    assert differing(scene.model, data, scene.pose, lens) < 0.0005
+
+
+def test_what_is_invisible_is_left_out() -> None:
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+      <geom type="box" size="1 1 1" rgba="1 1 1 0"/><geom type="box" size="1 1 1"/>
+    </worldbody></mujoco>""")
+    assert set(triangle_soup(model).geom) == {1}
 
 
 def test_bodies_fixed_to_the_world_are_the_worlds() -> None:

@@ -36,7 +36,8 @@ def blob(centre_px: F64, lens: Intrinsics) -> F32:
 def centroid_px(image: F32) -> F64:
     weights = np.maximum(image - 1.05, 0)
     x, y = np.meshgrid(np.arange(image.shape[1]) + 0.5, np.arange(image.shape[0]) + 0.5)
-    return np.array([(x * weights).sum(), (y * weights).sum()]) / weights.sum()
+    moments = np.array([(x * weights).sum(), (y * weights).sum()])
+    return np.asarray(moments / weights.sum())
 
 
 def test_a_camera_at_rest_sees_what_it_sees() -> None:
