@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -66,8 +67,9 @@ class FlyDetector:
 
     It gives an estimate at every whole multiple of the hop from time 0 on. After
     `quiet_limit_us` without an event it sleeps: estimates stop, and go on with the hop of the next
-    event, so that a gap of hours costs no more than one of a minute. By then everything is
-    forgotten. A stream that begins later than that limit starts with the hop of its first event.
+    event, so that a gap of hours costs no more than one of a minute. Asleep it forgets everything.
+    A stream that begins later than that limit starts with the hop of its first event, and
+    `advance` beyond the limit before that event gives nothing.
     """
 
     def __init__(
@@ -81,9 +83,11 @@ class FlyDetector:
             height: sensor rows [px].
 
         Raises:
-            DetectorConfigError: the sensor has no room for one correlation distance.
+            DetectorConfigError: no `FlyConfig`, a side that is no whole number, or a sensor without
+                room for one correlation distance.
         """
-        self.config = c = config or FlyConfig()
+        self.config = c = _checked(FlyConfig() if config is None else config)
+        width, height = _side("width", width), _side("height", height)
         least = (c.spacing_cells + 1) * c.cell_px
         if min(width, height) < least or max(width, height) > 32_767:
             raise DetectorConfigError(
@@ -111,8 +115,7 @@ class FlyDetector:
         raw = check_chunk(events, width=self._width, height=self._height, now_us=now_us)
         if raw.size == 0:
             return []
-        if self._now_us is None:
-            self._wake(int(raw["t"][0]))
+        self._wake(int(raw["t"][0]))
         estimates: list[MotionEstimate] = []
         taken = 0
         while True:
@@ -128,12 +131,13 @@ class FlyDetector:
         """Learn that every event before `t_us` was passed; see `Detector.advance`.
 
         Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
+            EventOrderError: `t_us` is before what was passed or advanced to before, too large, or
+                no whole number.
         """
         t_us = whole_time(t_us)
         check_order(t_us, self._now_us or 0)
         self._now_us = t_us
+        self._wake(t_us)
         return self._due(t_us)
 
     def state(self) -> State:
@@ -165,8 +169,8 @@ class FlyDetector:
         self.maps = self._blank_maps
 
     def _wake(self, t_us: int) -> None:
-        """Start with the hop of this first event where the stream begins late."""
-        if t_us > self.config.quiet_limit_us:
+        """Start with the hop of this time where it comes late and no event was before."""
+        if self._surfaces.is_fresh and t_us > self.config.quiet_limit_us:
             self._begin_hop(t_us // self.config.hop_us)
 
     def _due(self, t_us: int) -> list[MotionEstimate]:
@@ -175,11 +179,18 @@ class FlyDetector:
         hop_us = self.config.hop_us
         while (end_us := (self._hop + 1) * hop_us) <= t_us:
             if end_us - self._surfaces.last_event_us > self.config.quiet_limit_us:
+                self._sleep()
                 self._begin_hop(t_us // hop_us)
                 break
             estimates.append(self._estimate(end_us))
             self._begin_hop(self._hop + 1)
         return estimates
+
+    def _sleep(self) -> None:
+        """Forget everything: a new fly would see no less."""
+        self._surfaces.forget()
+        self._centre.release()
+        self.maps = self._blank_maps
 
     def _begin_hop(self, hop: int) -> None:
         self._hop = hop
@@ -257,6 +268,23 @@ class FlyDetector:
         x0, y0 = int(columns[0]) * side, int(rows[0]) * side
         x1, y1 = (int(columns[-1]) + 1) * side, (int(rows[-1]) + 1) * side
         return x0, y0, min(x1, self._width), min(y1, self._height)
+
+
+def _checked(config: Any) -> FlyConfig:
+    if not isinstance(config, FlyConfig):
+        raise DetectorConfigError(
+            f"the configuration is {config!r}; allowed is a FlyConfig; make one with FlyConfig(), "
+            'or by name with FlyConfig.preset("wide")'
+        )
+    return config
+
+
+def _side(name: str, value: Any) -> int:
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise DetectorConfigError(
+            f"{name} is {value!r}; allowed is a whole number of px; pass it as an int"
+        )
+    return int(value)
 
 
 def _blank_maps(grid: tuple[int, int], cell_px: int) -> FlyMaps:

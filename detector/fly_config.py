@@ -135,7 +135,7 @@ class FlyConfig:
         Raises:
             DetectorConfigError: there is none of this name.
         """
-        if name not in PRESETS:
+        if not isinstance(name, str) or name not in PRESETS:
             raise DetectorConfigError(
                 f"the preset is {name!r}; allowed is one of {', '.join(map(repr, PRESETS))}"
             )
@@ -152,7 +152,17 @@ class FlyConfig:
             else:
                 checked = _number(name, value, default)
             object.__setattr__(self, name, checked)
+        self._check_distances()
         self._check_times()
+
+    def _check_distances(self) -> None:
+        longest = self.offsets_cells[-1]
+        if longest > _MOST_CELLS:
+            raise DetectorConfigError(
+                f"spacings is {self.spacings}, which with spacing_cells = {self.spacing_cells} and "
+                f"offsets = {self.offsets.value!r} makes the longest distance {longest} cells; "
+                f"allowed is {_MOST_CELLS} or less; lower spacings"
+            )
 
     def _check_times(self) -> None:
         times = [("window_us", self.window_us), ("delay_us", self.delay_us)]
@@ -222,6 +232,8 @@ def _number(name: str, value: Any, default: int | float) -> int | float:
 
 _MOST_HOPS = 1000
 """Most hops kept: 323 MB with the default grid (assumed)."""
+_MOST_CELLS = 100_000
+"""Longest distance: as far as even steps reach, beyond any sensor."""
 _MOST_TAUS = 100
 """Longest window in τ: e^−100 is nothing."""
 _MOST_DELAYS = 16

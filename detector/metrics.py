@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Sequence
 
+from detector.errors import DetectorError
 from detector.estimate import Direction, MotionEstimate
 
 Estimates = Sequence[MotionEstimate]
@@ -65,10 +66,18 @@ def grms(estimates: Estimates, *, crossing_us: tuple[int, int]) -> float | None:
 
     Returns:
         The figure in responses per second, or None with fewer than two steps.
+
+    Raises:
+        DetectorError: a step is no later than the one before.
     """
     steps = within(estimates, crossing_us)
     squares = []
     for before, after in itertools.pairwise(steps):
+        if after.t_us <= before.t_us:
+            raise DetectorError(
+                f"an estimate at {after.t_us} µs follows one at {before.t_us} µs; allowed is a "
+                "t_us that rises from each to the next; sort them, and keep one a time"
+            )
         seconds = (after.t_us - before.t_us) * 1e-6
         squares.append((math.dist(before.response, after.response) / seconds) ** 2)
     return math.sqrt(math.fsum(squares) / len(squares)) if squares else None

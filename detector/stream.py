@@ -16,6 +16,9 @@ from emulator.events import EVENT_DTYPE, Events, check_events
 RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
 """`EVENT_DTYPE` with the polarity's byte as a number."""
 
+_LATEST_US = 2**62
+"""Latest time, 146 000 years [µs]: the end of any hop after it still fits 64 bits."""
+
 
 def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> npt.NDArray[Any]:
     """Refuse a chunk that cannot go on with the stream.
@@ -50,11 +53,16 @@ def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> npt.
 
 
 def check_order(t_us: int, now_us: int) -> None:
-    """Refuse a time before the one that the stream has reached.
+    """Refuse a time before the one that the stream has reached, or before 0.
 
     Raises:
-        EventOrderError: `t_us` is before `now_us`.
+        EventOrderError: `t_us` is before `now_us` or 0.
     """
+    if t_us < 0:
+        raise EventOrderError(
+            f"time {t_us} µs is before 0; times start at 0; subtract the first time of the stream "
+            "from all"
+        )
     if t_us < now_us:
         raise EventOrderError(
             f"time {t_us} µs comes after time {now_us} µs; time must not go back between calls; "
@@ -66,14 +74,21 @@ def whole_time(t_us: int) -> int:
     """A time as an int.
 
     Raises:
-        EventOrderError: `t_us` is not a whole number; NaN above all has no order.
+        EventOrderError: `t_us` is not a whole number, as NaN, which has no order; or it is more
+            than a stream holds.
     """
     try:
-        return operator.index(t_us)
+        time_us = operator.index(t_us)
     except TypeError:
         raise EventOrderError(
             f"the time is {t_us!r}; allowed is a whole number of µs; round it first"
         ) from None
+    if time_us > _LATEST_US:
+        raise EventOrderError(
+            f"the time is {time_us} µs; allowed is up to {_LATEST_US} µs; count from the stream's "
+            "start, in µs"
+        )
+    return time_us
 
 
 @njit(cache=True)

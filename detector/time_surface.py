@@ -70,16 +70,17 @@ class TimeSurfaces:
             np.arange(width, dtype=np.int32) // side,
         )
         self._totals = np.zeros(2 * height * width)
-        self._times = np.zeros(_FIRST_ROOM, np.int64)
-        self._pixels = np.zeros(_FIRST_ROOM, np.int32)
-        self._clock = np.zeros(5, np.int64)
-        self._clock[_UNIT] = -config.window_us
         grid = 2, self.rows, self.columns
         self._tallies = np.zeros((config.window_hops, *grid, 2))
-        self._hop_events = [0] * config.window_hops
-        self._slot = 0
         self._surfaces = np.zeros((max(config.delays_hops) + 1, *grid), np.float32)
         self._has_surface = np.zeros(max(config.delays_hops) + 1, np.bool_)
+        self._clock = np.zeros(5, np.int64)
+        self.forget()
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether no event has come yet, or none since everything was forgotten."""
+        return not self._clock[_NEWEST]
 
     @property
     def is_quiet(self) -> bool:
@@ -88,7 +89,7 @@ class TimeSurfaces:
 
     @property
     def last_event_us(self) -> int:
-        """Time of the last event [µs]; 0 before the first."""
+        """Time of the last event [µs]; 0 while there is none."""
         return int(self._clock[_NOW])
 
     @property
@@ -121,6 +122,16 @@ class TimeSurfaces:
             setattr(self, f"_{name}", np.ascontiguousarray(state[name]).copy())
         self._hop_events = state["hop_events"].tolist()
         self._slot = int(state["slot"]) % len(self._hop_events)
+
+    def forget(self) -> None:
+        """Be as new: the same events then give the same bits as they give a new one."""
+        for array in (self._totals, self._tallies, self._surfaces, self._has_surface, self._clock):
+            array[...] = 0
+        self._clock[_UNIT] = -self._config.window_us
+        self._times = np.zeros(_FIRST_ROOM, np.int64)
+        self._pixels = np.zeros(_FIRST_ROOM, np.int32)
+        self._hop_events = [0] * self._config.window_hops
+        self._slot = 0
 
     def begin_hop(self, hop: int) -> None:
         """Forget the oldest hop of the window and start hop number `hop` in its place."""

@@ -11,7 +11,7 @@ from emulator.arbiter import Readout
 from emulator.biases import Bias, Biases, with_biases
 from emulator.config import SensorConfig
 from emulator.davis import Davis346, SensorOutput
-from emulator.errors import EmulatorError, EventError, FrameError, SensorConfigError
+from emulator.errors import EmulatorError, EventError, FitError, FrameError, SensorConfigError
 from emulator.events import EVENT_DTYPE, Cause, Events, check_events, empty_events
 from emulator.images import luminance_of
 from emulator.presets import preset
@@ -27,6 +27,7 @@ __all__ = [
     "EmulatorError",
     "EventError",
     "Events",
+    "FitError",
     "FrameError",
     "Readout",
     "SensorConfig",

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from emulator.aps_config import ApsConfig
 from emulator.aps_exposure import Floats, Seconds, add_noise, collect, convert, correct, expose_rows
+from emulator.errors import FrameError
 from emulator.noise import draw_gaussians
 from emulator.scan import Masks
 
@@ -21,6 +22,9 @@ _STREAM = 1
 
 _EXPOSURE_RATIO_MAX = 8.0
 """Largest factor by which one frame changes the exposure (assumed: three stops)."""
+
+_STEP_FRAMES_MAX = 1000
+"""Frames that one step may return (assumed: 180 MB of them at 346×260)."""
 
 _METERING_ROUNDS = 12
 """Meterings before the first frame (assumed): enough to cross the range of exposures twice."""
@@ -90,6 +94,30 @@ class Aps:
             seconds = np.full(rows, self._exposure_us * 1e-6)
             levels = self._convert(self._electrons(luminance, seconds))
             self._exposure_us = self._metered_exposure_us(levels)
+
+    def check_step(self, step_us: int) -> None:
+        """Refuse a step that could return more frames than memory should hold.
+
+        Args:
+            step_us: length of the step [µs].
+
+        Raises:
+            FrameError: more than 1000 frames could end in the step.
+        """
+        longest_us = _STEP_FRAMES_MAX * self._shortest_period_us()
+        if step_us > longest_us:
+            raise FrameError(
+                f"the step is {step_us} µs long, with an APS frame every "
+                f"{self._shortest_period_us()} µs at the fastest; allowed is up to {longest_us} "
+                f"µs, {_STEP_FRAMES_MAX} frames; take shorter steps, or raise period_min_us"
+            )
+
+    def _shortest_period_us(self) -> int:
+        config = self._config
+        exposure_us = config.exposure_min_us if config.auto_exposure else config.exposure_us
+        rolling = config.shutter == "rolling"
+        busy_us = int(self._delays_us[-1]) if rolling else config.readout_us
+        return max(config.period_min_us, exposure_us + busy_us)
 
     def expose(
         self, before: Image, after: Image, changed: Masks, *, from_us: int, to_us: int

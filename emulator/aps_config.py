@@ -85,6 +85,11 @@ class ApsConfig:
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES)
+        for name in ("noise", "auto_exposure"):
+            if not isinstance(getattr(self, name), bool):
+                raise SensorConfigError(
+                    f"{name} is {getattr(self, name)!r}; allowed is True or False; give one of them"
+                )
         if self.shutter not in SHUTTERS:
             raise SensorConfigError(
                 f"shutter is {self.shutter!r}; allowed is one of {', '.join(SHUTTERS)}; "

@@ -41,10 +41,10 @@ class Readout:
 
     Attributes:
         offered: events that pixels had in the step.
-        delayed: events of the output with a stamp at least 1 µs after the pixel's event.
+        delayed: events granted at least 1 µs after the pixel's event.
         dropped: events lost because their pixel still waited or was held in reset.
         waiting: events carried over, at the end of the step.
-        delay_max_us: longest delay of an event of the output [µs].
+        delay_max_us: longest delay of an event of the output, the latency included [µs].
     """
 
     offered: int = 0
@@ -52,6 +52,57 @@ class Readout:
     dropped: int = 0
     waiting: int = 0
     delay_max_us: int = 0
+
+
+class Latency:
+    """Stamps events a fixed time after their grant; a bus without a limit does nothing else.
+
+    Args:
+        latency_us: from a grant to its stamp [µs].
+    """
+
+    def __init__(self, latency_us: int):
+        self._latency_us = latency_us
+        self._late = np.empty(0, np.int64)
+
+    @property
+    def waiting(self) -> int:
+        """Events granted whose stamps lie in a later step."""
+        return self._late.size
+
+    def read_out(self, keys: Keys, *, from_us: int, to_us: int) -> tuple[Keys, Readout]:
+        """Take the events of a step in, and grant each at its own time.
+
+        Args:
+            keys: (n,) events of the step, sorted.
+            from_us: start of the step [µs from the first sample].
+            to_us: its end.
+
+        Returns:
+            Events whose stamps lie in the step, sorted, and what happened to all of them.
+        """
+        stamped = self.stamp(keys, to_us - from_us)
+        worst = self._latency_us if stamped.size else 0
+        return stamped, Readout(offered=keys.size, waiting=self.waiting, delay_max_us=worst)
+
+    def stamp(self, granted: Keys, step_us: int) -> Keys:
+        """Add the latency, and keep for later steps what it pushes beyond the end of this one.
+
+        What is kept has its time from the start of the next step.
+        """
+        if self._latency_us == 0:
+            return granted
+        last = (step_us << TIME_SHIFT) | LOW_BITS
+        latency = self._latency_us << TIME_SHIFT
+        old = int(np.searchsorted(self._late, last, "right"))
+        new = int(np.searchsorted(granted, last - latency, "right"))
+        stamped = np.concatenate((self._late[:old], granted[:new] + latency))
+        late = (
+            self._late[old:] - (step_us << TIME_SHIFT),
+            granted[new:] - (step_us << TIME_SHIFT) + latency,
+        )
+        self._late = np.concatenate(late)
+        return stamped
 
 
 class Arbiter:
@@ -74,7 +125,7 @@ class Arbiter:
         self._refractory_us = refractory_us
         self._queue = empty_queue(width * height, height)
         self._granted = np.empty(ROOM_AT_FIRST, np.int64)
-        self._late = np.empty(0, np.int64)
+        self._latency = Latency(latency_us)
 
     def read_out(self, keys: Keys, *, from_us: int, to_us: int) -> tuple[Keys, Readout]:
         """Take the events of a step in.
@@ -100,34 +151,15 @@ class Arbiter:
             self._granted,
             tally,
         )
-        stamped = self._stamp(np.sort(self._granted[:count]), to_us - from_us)
+        stamped = self._latency.stamp(np.sort(self._granted[:count]), to_us - from_us)
         readout = Readout(
             offered=keys.size,
             delayed=int(tally[DELAYED]),
             dropped=int(tally[DROPPED]),
-            waiting=int(self._queue.marks[PENDING]) + self._late.size,
+            waiting=int(self._queue.marks[PENDING]) + self._latency.waiting,
             delay_max_us=int(tally[WORST]) + (self._latency_us if count else 0),
         )
         return stamped, readout
-
-    def _stamp(self, granted: Keys, step_us: int) -> Keys:
-        """Add the latency, and keep for later steps what it pushes beyond the end of this one.
-
-        What is kept has its time from the start of the next step.
-        """
-        if self._latency_us == 0:
-            return granted
-        last = (step_us << TIME_SHIFT) | LOW_BITS
-        latency = self._latency_us << TIME_SHIFT
-        old = int(np.searchsorted(self._late, last, "right"))
-        new = int(np.searchsorted(granted, last - latency, "right"))
-        stamped = np.concatenate((self._late[:old], granted[:new] + latency))
-        late = (
-            self._late[old:] - (step_us << TIME_SHIFT),
-            granted[new:] - (step_us << TIME_SHIFT) + latency,
-        )
-        self._late = np.concatenate(late)
-        return stamped
 
     def _make_room(self, new: int) -> None:
         """See that the queue has room for `new` events, and forget releases that are over."""

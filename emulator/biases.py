@@ -7,20 +7,27 @@ it (libcaer's table of coarse currents). The formulas:
   differencing amplifier (Nozaki, Delbruck, IEEE TED 64(8), 2017); κ_n = κ_p = 0.7, C1/C2 = 20;
 - bandwidth of the source follower f = I_sf/(2π·U_T·C1), C1 = 131 fF, U_T = 25 mV, which holds
   while it is slower than the photoreceptor before it;
+- bandwidth of the photoreceptor in bright light, in proportion to its bias current PrBp
+  (Lichtsteiner 2008: the bias of the receptor's amplifier limits it there); 3 kHz at the maker's
+  default (assumed: Lichtsteiner's figure, taken to hold for the DAVIS346 at that code);
 - refractory period C·U/I_refr, C = 20 fF, U = 0.8 V.
 
 The constants are those of jAER's estimates for the DAVIS, which its authors call guesses. The
 thresholds that they give at the maker's defaults (0.41 and 0.26) are higher than the 0.18 and 0.22
 that v2e found for them, and that our default configuration has.
+
+No bias touches the noise: the rate of shot noise is a function of light alone
+(`emulator.noise`), where in a real pixel lower thresholds and a wider bandwidth let more through.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from emulator._ranges import check_ranges
 from emulator.config import SensorConfig
+from emulator.errors import SensorConfigError
 
 COARSE_PA = (11.0, 94.0, 756.0, 6054.0, 48_437.0, 387_500.0, 3_100_000.0, 24_800_000.0)
 """Current of each coarse code [pA] (libcaer)."""
@@ -30,6 +37,7 @@ _THRESHOLD_GAIN = 0.7 / 0.7**2 / 20.0
 _THERMAL_V = 0.025
 _FOLLOWER_F = 131.167e-15
 _RESET_C = 20e-15 * 0.8
+_LIMIT_HZ = 3000.0
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,9 @@ class Bias:
         return COARSE_PA[self.coarse] * 1e-12 * max(self.fine, 1) / _FINE_STEPS
 
 
+_PHOTORECEPTOR = Bias(2, 58)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Biases:
     """The biases that shape events; the defaults are the maker's for the DAVIS346 (libcaer).
@@ -71,21 +82,30 @@ class Biases:
         diff: of the differencing amplifier (DiffBn).
         on: of the ON comparator (OnBn).
         off: of the OFF comparator (OffBn).
+        photoreceptor: of the photoreceptor's amplifier (PrBp).
         follower: of the source follower behind the photoreceptor (PrSFBp).
         refractory: of the reset (RefrBp).
 
     Raises:
-        SensorConfigError: ON is not above the differencing amplifier, or OFF not below it: the
-            pixel would fire without end.
+        SensorConfigError: one is no `Bias`, or ON is not above the differencing amplifier, or OFF
+            not below it: the pixel would fire without end.
     """
 
     diff: Bias = Bias(4, 39)
     on: Bias = Bias(6, 200)
     off: Bias = Bias(4, 0)
+    photoreceptor: Bias = _PHOTORECEPTOR
     follower: Bias = Bias(1, 33)
     refractory: Bias = Bias(4, 25)
 
     def __post_init__(self) -> None:
+        for each in fields(self):
+            bias = getattr(self, each.name)
+            if not isinstance(bias, Bias):
+                raise SensorConfigError(
+                    f"the bias {each.name} is {bias!r}; allowed is a Bias; "
+                    "give one, such as Bias(6, 200)"
+                )
         positive = "OnBn must be well above DiffBn, and OffBn well below it"
         check_ranges(
             self, {"theta_on": (0.01, 10.0, positive), "theta_off": (0.01, 10.0, positive)}
@@ -102,6 +122,11 @@ class Biases:
         return -_THRESHOLD_GAIN * math.log(self.off.current_a / self.diff.current_a)
 
     @property
+    def bandwidth_limit_hz(self) -> float:
+        """Cutoff of the photoreceptor in bright light [Hz]."""
+        return _LIMIT_HZ * self.photoreceptor.current_a / _PHOTORECEPTOR.current_a
+
+    @property
     def follower_hz(self) -> float:
         """Cutoff of the source follower [Hz]."""
         return self.follower.current_a / (2.0 * math.pi * _THERMAL_V * _FOLLOWER_F)
@@ -113,7 +138,7 @@ class Biases:
 
 
 def with_biases(config: SensorConfig, biases: Biases) -> SensorConfig:
-    """A sensor whose thresholds, follower and refractory period come from bias currents.
+    """A sensor whose thresholds, bandwidths and refractory period come from bias currents.
 
     Args:
         config: the sensor otherwise.
@@ -129,6 +154,7 @@ def with_biases(config: SensorConfig, biases: Biases) -> SensorConfig:
         config,
         theta_on=biases.theta_on,
         theta_off=biases.theta_off,
+        bandwidth_limit_hz=biases.bandwidth_limit_hz,
         follower_hz=biases.follower_hz,
         refractory_us=round(biases.refractory_us),
     )

@@ -14,9 +14,13 @@ from typing import Self
 
 from emulator._ranges import check_ranges
 from emulator.aps_config import ApsConfig
+from emulator.errors import SensorConfigError
 
 UNLIMITED_HZ = 1e12
 """Words a second from which on the bus is taken to have no limit."""
+
+_WARM_LEAK_HZ_MAX = 10_000.0
+"""Leak of a warm chip that is refused above (assumed: 100 000 times the published one)."""
 
 REFERENCE_C = 25.0
 """Temperature of the chip at which dark current and leak are given [°C]."""
@@ -137,9 +141,18 @@ class SensorConfig:
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES)
+        if not isinstance(self.aps, ApsConfig):
+            raise SensorConfigError(
+                f"aps is {self.aps!r}; allowed is an ApsConfig; leave it out for the default one"
+            )
         check_ranges(
             self,
             {
+                "warm_leak_hz": (
+                    0.0,
+                    _WARM_LEAK_HZ_MAX,
+                    "lower leak_hz or temperature_c, or raise leak_doubling_k",
+                ),
                 "hot_hz_max": (self.hot_hz_min, 10_000.0, "it may not be below hot_hz_min"),
                 "crazy_hz_max": (self.crazy_hz_min, 100_000.0, "it may not be below crazy_hz_min"),
             },

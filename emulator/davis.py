@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from emulator._crew import Crew
 from emulator.aps import Aps, ApsFrame
-from emulator.arbiter import Arbiter, Readout
+from emulator.arbiter import Arbiter, Latency, Readout
 from emulator.batch import empty_batch
 from emulator.config import UNLIMITED_HZ, SensorConfig
 from emulator.errors import SensorConfigError
@@ -65,13 +65,14 @@ class Davis346:
             )
         if (
             isinstance(threads, bool)
-            or not isinstance(threads, int)
+            or not isinstance(threads, int | np.integer)
             or not 1 <= threads <= _THREADS_MAX
         ):
             raise SensorConfigError(
                 f"threads is {threads!r}; allowed is a whole number from 1 to {_THREADS_MAX}; "
                 "give one for each core that the sensor may use"
             )
+        threads = int(threads)
         self.config = config
         pixels = config.width * config.height
         rng = np.random.default_rng((int(seed), _STREAM))
@@ -89,7 +90,7 @@ class Davis346:
             seed=int(seed),
         )
         self._arbiter = (
-            None
+            Latency(config.readout_latency_us)
             if config.readout_limit_hz >= UNLIMITED_HZ
             else Arbiter(
                 width=config.width,
@@ -130,7 +131,8 @@ class Davis346:
         Raises:
             FrameError: another shape, luminance that is not floating point, NaN, infinite or
                 negative, a time that is no integer, goes back or stands still, a step of more
-                than 17.9 minutes, or a window that is none.
+                than 17.9 minutes or of more than 1000 APS frames (25 s at the default 40
+                frames/s), or a window that is none.
         """
         config = self.config
         time_us = check_time(t_us, self._last_us)
@@ -138,6 +140,7 @@ class Davis346:
         if self._state is None or self._last_us is None:
             self._begin(time_us, frame)
             return SensorOutput(empty_events(), np.empty(0, np.uint8), ())
+        self._aps.check_step(time_us - self._last_us)
         from_us, to_us = self._last_us - self._first_us, time_us - self._first_us
         self._find_work(self._state, frame, to_us, changed)
         before = self._state.luminance.reshape(frame.shape)
@@ -145,9 +148,7 @@ class Davis346:
             before, frame, self._work.changed, from_us=self._last_us, to_us=time_us
         )
         keys = np.sort(self._run_pixels(self._state, frame.ravel(), from_us, to_us))
-        readout = Readout(offered=keys.size)
-        if self._arbiter is not None:
-            keys, readout = self._arbiter.read_out(keys, from_us=from_us, to_us=to_us)
+        keys, readout = self._arbiter.read_out(keys, from_us=from_us, to_us=to_us)
         events, causes = unpack_keys(keys, start_us=self._last_us, width=config.width)
         self._last_us = time_us
         return SensorOutput(events, causes, aps_frames, readout)

@@ -14,6 +14,9 @@ from emulator.event_keys import MAX_STEP_US
 Window: TypeAlias = tuple[int, int, int, int]
 """x0, y0, x1, y1 of a window of pixels, the last two exclusive."""
 
+MAX_TIME_US = 2**62
+"""Farthest time from zero: events carry 64-bit times, and what follows a frame must fit too."""
+
 MAX_LUMINANCE_CD_M2 = 1e10
 """Brightest light that the sensor takes: six times the disc of the sun."""
 
@@ -103,7 +106,8 @@ def check_time(t_us: int, last_us: int | None) -> int:
         The time as a Python integer.
 
     Raises:
-        FrameError: not an integer, not later than `last_us`, or a step above `MAX_STEP_US`.
+        FrameError: not an integer, beyond ±`MAX_TIME_US`, not later than `last_us`, or a step
+            above `MAX_STEP_US`.
     """
     try:
         time_us = index(t_us)
@@ -111,6 +115,11 @@ def check_time(t_us: int, last_us: int | None) -> int:
         raise FrameError(
             f"the time is {t_us!r}; allowed is a whole number of µs; round it first"
         ) from None
+    if abs(time_us) > MAX_TIME_US:
+        raise FrameError(
+            f"the time is {time_us} µs; allowed is -{MAX_TIME_US} to {MAX_TIME_US} µs, so that "
+            "events carry it in 64 bits; count from the start of the recording"
+        )
     if last_us is not None and not last_us < time_us <= last_us + MAX_STEP_US:
         raise FrameError(
             f"the time is {time_us} µs after a frame at {last_us} µs; allowed is {last_us + 1} to "

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from emulator.errors import FrameError
+from emulator.frames import MAX_LUMINANCE_CD_M2
 
 Transfer = Literal["srgb", "linear"]
 """How levels stand for light: `srgb` as cameras and displays encode it (IEC 61966-2-1), `linear`
@@ -35,9 +37,14 @@ def luminance_of(
         (height, width) float32 [cd/m²].
 
     Raises:
-        FrameError: another dtype or shape, a white that is not positive and finite, or another
-            transfer function.
+        FrameError: no array, another dtype or shape, a white that is not positive or above
+            `MAX_LUMINANCE_CD_M2`, or another transfer function.
     """
+    if not isinstance(image, np.ndarray):
+        raise FrameError(
+            f"the image is a {type(image).__name__}; allowed is an array of uint8 or uint16; "
+            "convert it with np.asarray(image, np.uint8)"
+        )
     if image.dtype not in (np.uint8, np.uint16):
         raise FrameError(
             f"the image has dtype {image.dtype}; allowed is uint8 or uint16; convert it, or pass "
@@ -48,17 +55,18 @@ def luminance_of(
             f"the image has shape {image.shape}; allowed is (height, width) or (height, width, 3); "
             "drop the alpha channel or pass one image at a time"
         )
-    if not (np.isfinite(white_cd_m2) and white_cd_m2 > 0.0):
+    numeric = isinstance(white_cd_m2, Real) and not isinstance(white_cd_m2, bool)
+    if not numeric or not 0.0 < white_cd_m2 <= MAX_LUMINANCE_CD_M2:
         raise FrameError(
-            f"white_cd_m2 is {white_cd_m2!r}; allowed is a positive finite number; give the "
-            "luminance of the highest level, such as 200"
+            f"white_cd_m2 is {white_cd_m2!r}; allowed is a positive number up to "
+            f"{MAX_LUMINANCE_CD_M2:g}; give the luminance of the highest level, such as 200"
         )
     if transfer not in get_args(Transfer):
         raise FrameError(
             f"the transfer function is {transfer!r}; allowed is one of "
             f"{', '.join(get_args(Transfer))}; images from cameras are srgb as a rule"
         )
-    table = _levels(np.iinfo(image.dtype).max, transfer) * white_cd_m2
+    table = _levels(np.iinfo(image.dtype).max, transfer) * float(white_cd_m2)
     light = table[image]
     return np.asarray(light @ _WEIGHTS if image.ndim == 3 else light, np.float32)
 

@@ -3,6 +3,11 @@
 Rates are per pixel and depend on the illuminance of the chip alone. A clock per pixel counts down
 a unit exponential by rate·time, so that what fires, and when, does not depend on the steps.
 
+Shot noise is a Poisson process in time whose rate depends on light alone: events are the first
+passages of that clock, and nothing is drawn per frame. It is no noise voltage that crosses
+thresholds, so its rate depends neither on the thresholds, nor on their mismatch, nor on the
+biases; in a real pixel it does (Graça, Delbruck 2021).
+
 Shot noise: background activity of Joubert et al. 2021 (Front. Neurosci. 15; 50×50 pixels):
 ON/OFF 5.6/4.2 Hz at 0.1 lux, 0.104/0.0012 Hz at 161 lux, 0.172/0 Hz at 3 klux. Its ON rates hold
 the leak, which here is a process of its own (0.1 Hz + 2.4e-5 Hz/lux, see `SensorConfig`). What is

@@ -86,7 +86,8 @@ def judge(
         direction: its verdict over the steps in view; accuracy: share of those whose direction is
         right; accuracy_after_100ms and the three shares of what else was said then: opposite
         (the wrong sign), sideways (the wrong axis), none; steps_in_view; latency_ms: from the
-        first pixel in view to the first right step, None where there was none; roi_iou: overlap
+        first pixel in view to the first right step, None where there was none, or where the target
+        is in view from the start (t = 0), since then nobody knows when it entered; roi_iou: overlap
         of the region of interest with the target's box, mean over the steps after 100 ms, 0 where
         there is no region; centroid_error_px: distance from the view centre to the target's
         centroid, mean over the same steps; grms: of the response [1/s].
@@ -94,7 +95,8 @@ def judge(
     truth = Direction(direction)
     settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]
     settled = within(estimates, settled_us)
-    latency_us = onset_latency_us(estimates, truth, crossing_us=in_view_us)
+    entered = in_view_us[0] > 0
+    latency_us = onset_latency_us(estimates, truth, crossing_us=in_view_us) if entered else None
     return {
         "direction": verdict(estimates, crossing_us=in_view_us).value,
         "accuracy": accuracy(estimates, truth, crossing_us=in_view_us),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import itertools
 import sys
 import traceback
 from collections.abc import Sequence
@@ -14,16 +15,22 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from detector.contrast_maximisation import ContrastMaximisation
 from detector.estimate import Detector, FrameDetector, MotionEstimate
 from detector.fly import FlyDetector
 from detector.fly_config import FlyConfig
+from detector.frame_fly import FrameFly, FrameFlyConfig
+from detector.plane_fit import PlaneFit
 from emulator import ApsFrame, Events
 from scenarios.errors import ScenarioError
 
 FLY, WIDE = "fly", "wide"
 FLY_PRESETS = {FLY: FlyConfig.preset("paper"), WIDE: FlyConfig.preset("wide")}
 """The fly's parameters by the name of the method: the paper's, and those for more speeds."""
+FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
+COARSE_FRAME_FLY = "frame-fly-coarse"
 _CALLS = ("push", "advance")
+_NUMBERS = ("t_us", "hs", "vs", "strength", "response", "view_centre_px")
 
 
 class MethodError(ScenarioError):
@@ -55,19 +62,21 @@ def find_method(name: str) -> Method:
     """The detector of a name.
 
     Args:
-        name: of `FLY_PRESETS`, or "package.module:Class", importable from where Python looks or
-            from the folder that one is in.
+        name: of `FLY_PRESETS` or `BASELINES`, or "package.module:Class", importable from where
+            Python looks or from the folder that one is in.
 
     Raises:
         MethodError: there is no such name, module or class, or it does not obey the protocol.
     """
     if name in FLY_PRESETS:
         return Method(name, fly_maker(FLY_PRESETS[name]))
+    if name in BASELINES:
+        return Method(name, BASELINES[name])
     module_name, colon, class_name = name.partition(":")
     if not (colon and class_name and module_name):
         raise MethodError(
-            f"the method is {name!r}; allowed is {', '.join(FLY_PRESETS)}, or a class of your own "
-            "as package.module:Class"
+            f"the method is {name!r}; allowed is {', '.join([*FLY_PRESETS, *BASELINES])}, or a "
+            "class of your own as package.module:Class"
         )
     return Method(name, _users_class(name, _module(module_name, name), class_name))
 
@@ -81,8 +90,26 @@ def fly_maker(config: FlyConfig) -> MakeDetector:
     return make
 
 
+def _coarse_frame_fly(*, width: int, height: int) -> Detector:
+    return FrameFly(FrameFlyConfig.preset("coarse"), width=width, height=height)
+
+
+BASELINES: dict[str, MakeDetector] = {
+    FRAME_FLY: FrameFly,
+    COARSE_FRAME_FLY: _coarse_frame_fly,
+    CONTRAST: ContrastMaximisation,
+    PLANE_FIT: PlaneFit,
+}
+"""What the fly is compared with, by the name of the method."""
+
+
 def read(
-    detector: Detector, events: Events, *, until_us: int, frames: Sequence[ApsFrame] = ()
+    detector: Detector,
+    events: Events,
+    *,
+    until_us: int,
+    frames: Sequence[ApsFrame] = (),
+    said: Sequence[MotionEstimate] = (),
 ) -> list[MotionEstimate]:
     """Pass the next events and frames, and say how far time has come.
 
@@ -91,9 +118,11 @@ def read(
         events: the next of the stream.
         until_us: every event before this was passed [µs].
         frames: the next of the sensor's; for a `FrameDetector`.
+        said: what it answered before, of which the last is looked at.
 
     Raises:
-        MethodError: what it answers is no list of estimates.
+        MethodError: what it answers is no list of estimates, or one of them is no later than the
+            one before, or holds what is no finite number.
     """
     estimates: list[MotionEstimate] = []
     taken = 0
@@ -106,11 +135,14 @@ def read(
             taken = cut
     estimates += _checked(detector, "push", detector.push(events[taken:]))
     estimates += _checked(detector, "advance", detector.advance(until_us))
+    _check_order(detector, [*said[-1:], *estimates])
     return estimates
 
 
 def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstimate]:
     if isinstance(answer, list) and all(isinstance(e, MotionEstimate) for e in answer):
+        for estimate in answer:
+            _check_numbers(detector, call, estimate)
         return answer
     kinds = {type(e).__name__ for e in answer} if isinstance(answer, list) else set()
     found = f"a list of {', '.join(sorted(kinds))}" if kinds else type(answer).__name__
@@ -118,6 +150,31 @@ def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstim
         f"{type(detector).__name__}.{call} returned {found}; allowed is a list of "
         "detector.estimate.MotionEstimate, empty where none is due"
     )
+
+
+def _check_numbers(detector: Detector, call: str, estimate: MotionEstimate) -> None:
+    for name in _NUMBERS:
+        value: Any = getattr(estimate, name)
+        try:
+            finite = bool(np.isfinite(value).all())
+        except TypeError:  # no numbers at all
+            finite = False
+        if not finite:
+            raise MethodError(
+                f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs "
+                f"whose {name} is {value!r}; allowed are finite numbers; where nothing is seen, "
+                "give 0 and Direction.NONE"
+            )
+
+
+def _check_order(detector: Detector, estimates: Sequence[MotionEstimate]) -> None:
+    for before, after in itertools.pairwise(estimates):
+        if after.t_us <= before.t_us:
+            raise MethodError(
+                f"{type(detector).__name__} returned an estimate at {after.t_us} µs after one at "
+                f"{before.t_us} µs; allowed is a t_us that rises from each to the next; give each "
+                "window's end once, in order"
+            )
 
 
 def _module(module_name: str, method: str) -> ModuleType:

@@ -89,6 +89,7 @@ def run_steps(
     """
     sensor = Davis346(config.sensor, seed=config.seed)
     samples = crossing.samples()
+    said: list[MotionEstimate] = []
     while True:
         with watch.stage("render"):
             sample = next(samples, None)
@@ -98,6 +99,11 @@ def run_steps(
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         with watch.stage("detect"):
             estimates = read(
-                detector, output.events, until_us=sample.t_us + 1, frames=output.aps_frames
+                detector,
+                output.events,
+                until_us=sample.t_us + 1,
+                frames=output.aps_frames,
+                said=said,
             )
+        said = estimates or said
         yield Step(sample, output, estimates)

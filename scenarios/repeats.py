@@ -41,6 +41,8 @@ def run_repeats(
         for sensor, detector, said in zip(sensors, detectors, estimates, strict=True):
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
             until_us = sample.t_us + 1
-            said += read(detector, output.events, until_us=until_us, frames=output.aps_frames)
+            said += read(
+                detector, output.events, until_us=until_us, frames=output.aps_frames, said=said
+            )
         progress(sample.t_us)
     return estimates, track

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from sim.cache import LightCache, Lights
 from sim.camera import Intrinsics
 from sim.config import CrossingConfig, Direction
+from sim.errors import SceneConfigError
 from sim.light_file import Light
 from sim.light_key import light_key
 from sim.mains import Mains
@@ -124,8 +126,14 @@ class Crossing:
 
         Raises:
             RendererError: this machine cannot render.
+            SceneConfigError: the times do not rise, or there are none.
         """
         times = self.times_us() if times_us is None else list(times_us)
+        if not times or any(late <= early for early, late in itertools.pairwise([-1, *times])):
+            raise SceneConfigError(
+                f"the times of the samples are {len(times)} numbers that do not rise from 0 or "
+                "more; allowed is at least one, each later than the one before; sort them"
+            )
         witness = Witness(self.scene, self.intrinsics)
         unknown = np.zeros((self.intrinsics.height, self.intrinsics.width), np.float32)
         for light in self._kept_light(times):
@@ -220,11 +228,12 @@ class Crossing:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
         reach = self._reach.at(self._data)
-        fastest = self.scene.fastest_px_s(t_s, self.intrinsics.focal_px)
-        bodies = (obj.corners_m(self._data) for obj in self.scene.objects)
-        if self.scene.shake or reach.shadows or any(map(self._in_view, bodies)):
-            return fastest
-        return fastest / BEAM_SOFTNESS if reach.beams else 0.0
+        seen = {obj.name for _, obj, _ in reach.shadows}
+        seen |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
+        focal_px = self.intrinsics.focal_px
+        sharp = self.scene.fastest_px_s(t_s, focal_px, seen)
+        lit = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()
+        return max(sharp, self.scene.fastest_px_s(t_s, focal_px, lit) / BEAM_SOFTNESS)
 
     def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
         return points_window(corners_m, self.scene.pose, self.intrinsics) is not None

@@ -147,7 +147,11 @@ class KeyframeStore:
 
 
 def keyframe_times(
-    times_us: Sequence[int], corners_px: F64, in_view: npt.NDArray[np.bool_], spacing_px: float
+    times_us: Sequence[int],
+    corners_px: F64,
+    in_view: npt.NDArray[np.bool_],
+    spacing_px: float,
+    longest_us: int | None = None,
 ) -> list[int]:
     """When an object gets its keyframes: from when it is first in view to when it is last.
 
@@ -156,13 +160,15 @@ def keyframe_times(
         corners_px: (n, 8, 2) where the corners of its box are in the image.
         in_view: (n,) whether it is.
         spacing_px: how far a corner may move from one keyframe to the next [px].
+        longest_us: how long the next keyframe may be off [µs]; None for any time.
     """
     seen = np.flatnonzero(in_view)
     if not seen.size:
         return []
     chosen = [int(seen[0])]
     for k in range(int(seen[0]) + 1, int(seen[-1]) + 1):
-        if np.abs(corners_px[k] - corners_px[chosen[-1]]).max() >= spacing_px:
+        late = longest_us is not None and times_us[k] - times_us[chosen[-1]] >= longest_us
+        if late or np.abs(corners_px[k] - corners_px[chosen[-1]]).max() >= spacing_px:
             chosen.append(k)
     if chosen[-1] != seen[-1]:
         chosen.append(int(seen[-1]))

@@ -25,7 +25,7 @@ from sim import srgb
 from sim.aperture import REACH_PX, to_pixels
 from sim.camera import Intrinsics, Pose
 from sim.errors import RendererError
-from sim.light import LUMINANCE_OF_RGB
+from sim.light import LUMINANCE_OF_RGB, relative_luminance
 from sim.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
@@ -238,10 +238,12 @@ def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
     for rgba in (grey.mat_rgba, grey.geom_rgba):
         rgba[:, :3] = _grey(rgba[:, :3], coded)
     for k in range(grey.ntex):
-        if grey.tex_nchannel[k] == 3:
-            texels = _texels(grey, k)
+        if grey.tex_nchannel[k] >= 3:
+            texels = _texels(grey, k)[:, :3]
             coded = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
             texels[:] = np.rint(255 * _grey(texels / 255, coded)).astype(np.uint8)
+    for diffuse in grey.light_diffuse:  # which scales its intensity
+        diffuse[:] = relative_luminance(diffuse)
     return grey
 
 
@@ -262,10 +264,10 @@ def _is_linear(model: mujoco.MjModel) -> bool:
 
 
 def _texels(model: mujoco.MjModel, texture: int) -> npt.NDArray[np.uint8]:
-    """(n, 3) view on a texture's pixels."""
-    start = int(model.tex_adr[texture])
-    count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * 3
-    texels: npt.NDArray[np.uint8] = model.tex_data[start : start + count].reshape(-1, 3)
+    """(n, channels) view on a texture's pixels."""
+    start, channels = int(model.tex_adr[texture]), int(model.tex_nchannel[texture])
+    count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * channels
+    texels: npt.NDArray[np.uint8] = model.tex_data[start : start + count].reshape(-1, channels)
     return texels
 
 

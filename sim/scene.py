@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import mujoco
@@ -125,14 +126,23 @@ class Scene:
         """Luminous flux of the lamps on the mains at a time [s], relative to its mean."""
         return 1.0 if self.flicker is None else self.flicker.factor(t_s)
 
-    def fastest_px_s(self, t_s: float, focal_px: float) -> float:
-        """A bound on how fast anything moves in the image near its middle [px/s]."""
+    def fastest_px_s(
+        self, t_s: float, focal_px: float, among: Collection[str] | None = None
+    ) -> float:
+        """A bound on how fast anything moves in the image near its middle [px/s].
+
+        Args:
+            t_s: when [s].
+            focal_px: of the lens.
+            among: names of the objects that count; None for all.
+        """
         rates = [
             motion.fastest_m_s(t_s) / self._near_depth_m(item)
             for item, motion in zip(self.objects, self.motions, strict=True)
+            if among is None or item.name in among
         ]
         turning = 0.0 if self.shake is None else self.shake.fastest_rad_s(t_s)
-        return focal_px * (max(rates) + turning)
+        return focal_px * (max(rates, default=0.0) + turning)
 
     def body_corners_m(self, position_m: float) -> F64:
         """(8, 3) world corners of the box around the target at a way along its path."""
@@ -200,7 +210,9 @@ def build_scene(config: CrossingConfig) -> Scene:
         shake=camera_shake(extra.shake_rms_deg, extra.shake_corner_hz, extra.seed)
         if extra.shakes
         else None,
-        flicker=Flicker(extra.flicker_hz, extra.flicker_depth) if extra.flickers else None,
+        flicker=Flicker(extra.flicker_hz, extra.flicker_depth)
+        if extra.flickers and config.lighting is not Lighting.DAY
+        else None,
         mains_lights=_named([model.light(k).name for k in range(model.nlight)], "street_lamp"),
         mains_materials=_named([model.mat(k).name for k in range(model.nmat)], "mains_"),
     )

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from sim.moves import axes_along, followed_by, into_frame
 from sim.objects import MovingObject
-from sim.raster import perspective, rasterise, transform
+from sim.raster import perspective, rasterise
 from sim.triangles import Soup
 
 F32 = npt.NDArray[np.float32]
@@ -85,33 +85,30 @@ def draw_shadow_map(
         out: (`MAP_SIDE`, `MAP_SIDE`) float32, of which the map takes the upper left part.
 
     Returns:
-        What it was drawn through; None where the lamp cannot see the object.
+        What it was drawn through; None where it casts no shadow, or where the lamp cannot see it.
     """
-    origin = data.xpos[obj.root] if lamp.parallel else lamp.place_m
-    corners = (obj.corners_m(data) - origin) @ lamp.axes.T
+    to_light = into_frame(lamp.axes, data.xpos[obj.root] if lamp.parallel else lamp.place_m)
+    local = soup.moved(followed_by(poses, to_light))
+    if not len(local):
+        return None
     if lamp.parallel:
-        flat, texel = corners[:, :2], TEXEL_M
+        texel = TEXEL_M
+        local[..., 2] *= -1
     else:
-        if corners[:, 2].max() < LAMP_NEAR_M:
+        farthest_m = float(local[..., 2].max())
+        if farthest_m < LAMP_NEAR_M:
             return None
-        depth = np.maximum(corners[:, 2], LAMP_NEAR_M)
-        flat, texel = corners[:, :2] / depth[:, None], TEXEL_M / float(depth.max())
-    low, high = flat.min(axis=0), flat.max(axis=0)
+        texel = TEXEL_M / farthest_m
+        local, _ = perspective(local, 1.0, 0.0, 0.0, LAMP_NEAR_M)
+    low, high = local[..., :2].min(axis=(0, 1)), local[..., :2].max(axis=(0, 1))
     texel = max(texel, float((high - low).max()) / (MAP_SIDE - 7))
     start = np.floor(low / texel) - 2
     columns, rows = (int(n) for n in np.ceil(high / texel) - start + 3)
-    to_light = into_frame(lamp.axes, origin)
-    local = transform(soup.triangles_m, soup.body, followed_by(poses, to_light))
+    local[..., :2] = local[..., :2] / texel - start
     used = out[:rows, :columns]
     used.fill(EMPTY)
-    nobody = np.empty(used.shape, np.int32)
-    if lamp.parallel:
-        local[..., :2] = local[..., :2] / texel - start
-        local[..., 2] *= -1
-        triangles = local
-        view = np.concatenate([to_light[:2] / texel - np.outer(start, [0, 0, 0, 1]), -to_light[2:]])
-    else:
-        triangles, _ = perspective(local, 1 / texel, -start[0], -start[1], LAMP_NEAR_M)
-        view = np.concatenate([to_light[:2] / texel - np.outer(start, to_light[2]), to_light[2:]])
-    rasterise(triangles, soup.body, 0, 0, used, nobody, True)
-    return ShadowMap(view, (rows, columns))
+    nobody, nowhere = np.zeros(len(local), np.int32), np.empty(used.shape, np.int32)
+    rasterise(local, nobody, 0, 0, used, nowhere, True)
+    last = -to_light[2:] if lamp.parallel else to_light[2:]
+    shift = np.outer(start, [0, 0, 0, 1] if lamp.parallel else to_light[2])
+    return ShadowMap(np.concatenate([to_light[:2] / texel - shift, last]), (rows, columns))

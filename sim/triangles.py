@@ -92,7 +92,8 @@ def geom_triangles(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Tri
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         local = _mesh(model, int(model.geom_dataid[geom]))
     elif kind in _SHAPES:
-        local = _SHAPES[kind](model.geom_size[geom], int(model.vis.quality.numslices))
+        fineness = model.vis.quality
+        local = _SHAPES[kind](model.geom_size[geom], fineness.numslices, fineness.numstacks)
     else:
         allowed = ", ".join(shape.name for shape in (*_SHAPES, mujoco.mjtGeom.mjGEOM_MESH))
         raise SceneConfigError(
@@ -109,29 +110,29 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> Triangles:
     return np.asarray(vertices[faces], np.float64)
 
 
-def _box(size: F64, _slices: int) -> Triangles:
+def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
     low, high = [(-1, -1, 1), (1, -1, 1), (1, 1, 1)], [(-1, -1, 1), (1, 1, 1), (-1, 1, 1)]
     face = np.array([low, high], np.float64)
     faces = [np.roll(face, turn, axis=2) for turn in range(3)]
     return np.concatenate([*faces, *(-side[:, ::-1] for side in faces)]) * size
 
 
-def _plane(size: F64, slices: int) -> Triangles:
+def _plane(size: F64, slices: int, stacks: int) -> Triangles:
     half = np.where(size[:2] > 0, size[:2], ENDLESS_M)
-    flat: Triangles = _box(np.ones(3), slices)[:2] * [*half, 0.0]
+    flat: Triangles = _box(np.ones(3), slices, stacks)[:2] * [*half, 0.0]
     return flat
 
 
-def _ellipsoid(size: F64, slices: int) -> Triangles:
-    polar = np.linspace(-np.pi / 2, np.pi / 2, slices // 2 + 1)
+def _ellipsoid(size: F64, slices: int, stacks: int) -> Triangles:
+    polar = np.linspace(-np.pi / 2, np.pi / 2, stacks + 2)
     return _revolved(np.cos(polar), np.sin(polar), slices) * size
 
 
-def _sphere(size: F64, slices: int) -> Triangles:
-    return _ellipsoid(np.full(3, size[0]), slices)
+def _sphere(size: F64, slices: int, stacks: int) -> Triangles:
+    return _ellipsoid(np.full(3, size[0]), slices, stacks)
 
 
-def _cylinder(size: F64, slices: int) -> Triangles:
+def _cylinder(size: F64, slices: int, _stacks: int) -> Triangles:
     radius, half_length = size[0], size[1]
     return _revolved(
         np.array([0.0, radius, radius, 0.0]),
@@ -140,9 +141,9 @@ def _cylinder(size: F64, slices: int) -> Triangles:
     )
 
 
-def _capsule(size: F64, slices: int) -> Triangles:
+def _capsule(size: F64, slices: int, stacks: int) -> Triangles:
     radius, half_length = size[0], size[1]
-    polar = np.linspace(0, np.pi / 2, slices // 4 + 1)
+    polar = np.linspace(0, np.pi / 2, stacks + 1)
     cap_radii, cap_heights = radius * np.cos(polar), half_length + radius * np.sin(polar)
     return _revolved(
         np.concatenate([cap_radii[::-1], cap_radii]),
@@ -169,7 +170,7 @@ def _without_slivers(triangles: Triangles) -> Triangles:
     return triangles[np.any(unit_normals(triangles) != 0.0, axis=1)]
 
 
-_SHAPES: dict[mujoco.mjtGeom, Callable[[F64, int], Triangles]] = {
+_SHAPES: dict[mujoco.mjtGeom, Callable[[F64, int, int], Triangles]] = {
     mujoco.mjtGeom.mjGEOM_PLANE: _plane,
     mujoco.mjtGeom.mjGEOM_SPHERE: _sphere,
     mujoco.mjtGeom.mjGEOM_CAPSULE: _capsule,

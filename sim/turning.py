@@ -29,9 +29,9 @@ def turned_image(image: F32, rest: Pose, wide: Intrinsics, turned: Pose, lens: I
     rotation = into_camera(rest)[:, :3] @ into_camera(turned)[:, :3].T
     back = _middles(wide) @ rotation @ np.linalg.inv(_middles(lens))
     size = lens.width, lens.height
-    flags = cv2.INTER_LANCZOS4 | cv2.WARP_INVERSE_MAP
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     warped = cv2.warpPerspective(image, back, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    return np.maximum(warped, np.float32(0))  # Lanczos may swing below 0
+    return np.asarray(warped, np.float32)
 
 
 def _middles(lens: Intrinsics) -> F64:

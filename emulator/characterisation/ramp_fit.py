@@ -8,13 +8,16 @@ and holds it back on the way down, by its drift times the interval.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
 
 from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
+from emulator.errors import FitError
 from emulator.events import Events, check_events
 
 Floats = npt.NDArray[np.float64]
@@ -58,16 +61,24 @@ def fit_ramps(
         height: rows of the sensor [px].
         t_us: (n,) rising times of the corners of the modulation [µs].
         log_light: (n,) logarithm of the light there; straight in between [ln units].
-        leak_drift_per_s: drift of the memorised value by leak [ln units/s].
+        leak_drift_per_s: drift of the memorised value by leak [ln units/s]; 0 without leak.
 
     Returns:
-        Means and standard deviations over the pixels.
+        Means and standard deviations over the pixels; None where the light never went that way.
 
     Raises:
         EventError: the events are no sorted stream from such a sensor.
+        FitError: corners that do not rise in time, are not finite, fewer than two or unlike in
+            number, or a drift that is negative or not finite.
     """
     check_events(events, width=width, height=height)
-    times, light = np.asarray(t_us, np.float64), np.asarray(log_light, np.float64)
+    times, light = _corners(t_us, log_light)
+    numeric = isinstance(leak_drift_per_s, Real) and not isinstance(leak_drift_per_s, bool)
+    if not numeric or not 0.0 <= leak_drift_per_s < math.inf:
+        raise FitError(
+            f"leak_drift_per_s is {leak_drift_per_s!r}; allowed is a finite number from 0, in ln "
+            "units per second; leave it out if there is no leak"
+        )
     healthy = ~hot_pixels(counts(events, (height, width)))
     kept = events[healthy[events["y"], events["x"]]]
     ordered = kept[np.lexsort((kept["t"], kept["x"], kept["y"]))]
@@ -77,9 +88,40 @@ def fit_ramps(
     gone = np.diff(np.interp(ordered["t"], times, light))
     gone += leak_drift_per_s * 1e-6 * np.diff(ordered["t"])
     on = ordered["p"][1:]
+    slope = np.concatenate(([0.0], np.sign(np.diff(light)), [0.0]))[ramp[1:]]
+    pair &= slope == np.where(on, 1.0, -1.0)
     up = _per_pixel(pixel[1:][pair & on], gone[pair & on])
     down = _per_pixel(pixel[1:][pair & ~on], -gone[pair & ~on])
     return Thresholds(_mean(up), _mean(down), _spread(up), _spread(down))
+
+
+def _corners(t_us: npt.ArrayLike, log_light: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """Times [µs] and light [ln units] of the corners, refused where they are no modulation."""
+    try:
+        times, light = np.asarray(t_us, np.float64), np.asarray(log_light, np.float64)
+    except (TypeError, ValueError):
+        raise FitError(
+            "t_us or log_light holds something that is no number; allowed are one-dimensional "
+            "arrays of numbers; give one of each for each corner"
+        ) from None
+    if times.ndim != 1 or times.shape != light.shape or times.size < 2:
+        raise FitError(
+            f"t_us has shape {times.shape} and log_light {light.shape}; allowed is one dimension "
+            "and the same length, from 2; give the light at each corner"
+        )
+    if not (np.isfinite(times).all() and np.isfinite(light).all()):
+        raise FitError(
+            "t_us or log_light holds NaN or infinity; allowed are finite numbers; give the "
+            "logarithm of a light above darkness"
+        )
+    steps = np.diff(times)
+    if not (steps > 0.0).all():
+        bad = int(np.argmin(steps > 0.0)) + 1
+        raise FitError(
+            f"corner {bad} is at {times[bad]:g} µs after one at {times[bad - 1]:g} µs; allowed are "
+            "times that rise; sort the corners by time, each once"
+        )
+    return times, light
 
 
 def _per_pixel(pixel: npt.NDArray[np.int64], step: Floats) -> Floats:

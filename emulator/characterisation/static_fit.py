@@ -20,13 +20,16 @@ What can be known, and what not:
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
 
 from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
+from emulator.errors import FitError
 from emulator.events import Events, check_events
 
 _LIKE = 0.02
@@ -106,8 +109,10 @@ def fit_static(
 
     Raises:
         EventError: the events are no sorted stream from such a sensor.
+        FitError: the end is not finite or before the last event, or the drift not positive.
     """
     check_events(events, width=width, height=height)
+    _check_known(events, end_us, leak_drift_per_s)
     healthy = ~hot_pixels(counts(events, (height, width)))
     waits = _waits(events[healthy[events["y"], events["x"]]], width, end_us)
     clocks_s = _clocks(waits, width * height)
@@ -131,6 +136,24 @@ def fit_static(
         relative,
         hot_share,
     )
+
+
+def _check_known(events: Events, end_us: int, leak_drift_per_s: float | None) -> None:
+    last_us = int(events["t"][-1]) if events.size else 0
+    numeric = isinstance(end_us, Real) and not isinstance(end_us, bool)
+    if not numeric or not last_us <= end_us < math.inf:
+        raise FitError(
+            f"end_us is {end_us!r}; allowed is a finite number from {last_us}, the time of the "
+            "last event; give the end of the recording on the events' clock"
+        )
+    if leak_drift_per_s is None:
+        return
+    numeric = isinstance(leak_drift_per_s, Real) and not isinstance(leak_drift_per_s, bool)
+    if not numeric or not 0.0 < leak_drift_per_s < math.inf:
+        raise FitError(
+            f"leak_drift_per_s is {leak_drift_per_s!r}; allowed is a positive finite number of ln "
+            "units per second; pass None if it is not known"
+        )
 
 
 def _waits(events: Events, width: int, end_us: int) -> _Waits:

@@ -58,6 +58,6 @@ def _watch(detector: Detector, drawn: Drawn) -> list[MotionEstimate]:
     estimates: list[MotionEstimate] = []
     start = 0
     for end_us, cut in zip(ends_us, cuts, strict=True):
-        estimates += read(detector, drawn.events[start:cut], until_us=int(end_us))
+        estimates += read(detector, drawn.events[start:cut], until_us=int(end_us), said=estimates)
         start = cut
     return estimates

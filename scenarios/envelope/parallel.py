@@ -8,6 +8,9 @@ from joblib import Parallel, delayed, parallel_config
 
 from scenarios.envelope.measure import Row, measure
 from scenarios.envelope.stimulus import Stimulus
+from scenarios.errors import ScenarioError
+
+ONE_A_CORE = -1
 
 
 def measure_all(
@@ -28,7 +31,14 @@ def measure_all(
     Returns:
         Rows in the order of the points, and within one in that of the methods; the same however
         many processes there are.
+
+    Raises:
+        ScenarioError: that is no number of processes.
     """
+    if jobs != ONE_A_CORE and jobs < 1:
+        raise ScenarioError(
+            f"jobs is {jobs}; allowed is 1 or more, or -1 for one a core; leave it out for that"
+        )
     done: dict[int, list[Row]] = {}
     progress(0, len(points))
     with parallel_config(backend="loky", n_jobs=jobs, inner_max_num_threads=1):

@@ -17,10 +17,13 @@ F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
 LEAD_S = 0.2
-"""How long the scene is there before the target enters; a detector with a memory of 100 ms has
-settled by then (assumed)."""
+"""How long the stream lasts before the crossing, or the middle of a longer one (assumed: a detector
+with a memory of 100 ms has settled by then). The target enters at its end where the crossing is
+drawn whole, earlier where its middle is, and is in view from the start where that takes longer than
+WATCH_S + 2 LEAD_S: at the base point, sideways, below 245 px/s."""
 WATCH_S = 1.5
-"""Longest crossing that is drawn whole; of slower ones the middle is (assumed)."""
+"""Longest crossing that is drawn whole; of slower ones the middle is (assumed). At the base point
+those are below 311 px/s sideways, and below 253 px/s up and down."""
 STREET_CONTRAST = 0.3
 """Standard deviation of the background's log luminance (assumed; the simulated street by day has
 0.85, most of which is sky against road)."""

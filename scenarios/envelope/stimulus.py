@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from numbers import Integral, Real
+from typing import Any
 
 from detector.estimate import Direction
 from scenarios.errors import ScenarioError
@@ -35,6 +37,16 @@ _RANGES = {
     "contrast": (0.0, 3.0),
     "length_px": (4, 1_000),
     "seed": (0, 2**32 - 1),
+    "width": (4, 4096),
+    "height": (4, 4096),
+}
+_WHOLE = ("length_px", "seed", "width", "height")
+
+
+_NAMED: dict[str, type[StrEnum]] = {
+    "direction": Direction,
+    "surface": Surface,
+    "background": Background,
 }
 
 
@@ -62,7 +74,7 @@ class Stimulus:
         height: sensor rows [px].
 
     Raises:
-        ScenarioError: a value is outside its range, or the direction is none.
+        ScenarioError: a value is outside its range or of another kind, or the direction is none.
     """
 
     speed_px_s: float = 350.0
@@ -83,11 +95,20 @@ class Stimulus:
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:  # NaN too is not between
+            value: Any = getattr(self, name)  # NaN is not in any range
+            kind, called = (Integral, "a whole number") if name in _WHOLE else (Real, "a number")
+            if not (issubclass(type(value), kind) and low <= value <= high):
                 raise ScenarioError(
-                    f"{name} of a drawn stimulus is {value}; allowed is {low:g} to {high:g}; "
-                    "choose one in that range"
+                    f"{name} of a drawn stimulus is {value}; allowed is {called} from {low:g} to "
+                    f"{high:g}; choose one in that range"
+                )
+        for name, names in _NAMED.items():
+            value = getattr(self, name)
+            if not isinstance(value, names):
+                raise ScenarioError(
+                    f"{name} of a drawn stimulus is {value!r}, a {type(value).__name__}; allowed "
+                    f"is a {names.__module__}.{names.__name__}; write "
+                    f"{names.__name__}.{next(iter(names)).name} or another of its members"
                 )
         if self.direction not in CARDINAL:
             raise ScenarioError(

@@ -1,4 +1,5 @@
 import math
+import tracemalloc
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -8,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from detector.errors import DetectorConfigError
+from detector.errors import DetectorConfigError, DetectorError
 from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyConfig, FlyDetector
 from detector.metrics import accuracy, intersection_over_union, onset_latency_us, verdict
@@ -334,6 +335,52 @@ def test_after_a_gap_the_fly_sees_as_if_it_were_new() -> None:
     np.testing.assert_allclose([e.hs for e in after], [e.hs for e in fresh], rtol=1e-6)
 
 
+def test_after_a_quiet_gap_nothing_of_before_is_left() -> None:
+    config = FlyConfig(quiet_limit_us=100_000)
+    before, view_us = crossing(
+        textured_box(), speed_px_s=1000, direction=Direction.RIGHT, lead_us=1_000
+    )
+    before = before[before["t"] < 200_000]
+    later = before.copy()
+    later["t"] += 3600 * 10**6
+    end_us = 3600 * 10**6 + 200_000
+    fly, fresh = FlyDetector(config), FlyDetector(config)
+    assert view_us > 200_000
+    assert fly.push(before)
+    expected = fresh.push(later) + fresh.advance(end_us)
+    assert Direction.RIGHT in {e.direction for e in expected}
+    found = fly.push(later) + fly.advance(end_us)
+    assert [e for e in found if e.t_us > 3600 * 10**6] == expected
+
+
+@pytest.mark.parametrize("told_us", [10 * 3600 * 10**6, 61_000_000, 10 * 3600 * 10**6 - 12_345])
+def test_time_told_before_a_late_first_event_changes_no_estimate(told_us: int) -> None:
+    later = busy_stream().copy()
+    later["t"] += 10 * 3600 * 10**6
+    fly = FlyDetector()
+    assert fly.advance(told_us) == []
+    found = fly.push(later)
+    assert found
+    assert found == FlyDetector().push(later)
+
+
+def test_memory_beyond_the_input_stays_under_100_mb() -> None:
+    rng = np.random.default_rng(0)
+    events = np.zeros(1_000_000, EVENT_DTYPE)
+    events["t"] = np.sort(rng.integers(0, 100_000, events.size))
+    events["x"], events["y"] = rng.integers(0, 346, events.size), rng.integers(0, 260, events.size)
+    FlyDetector().push(events[:200_000])  # What is compiled is no memory of the fly's.
+    tracemalloc.start()
+    try:
+        fly = FlyDetector()
+        found = fly.push(events)
+        peak_bytes = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert found
+    assert 1e6 < peak_bytes < 100e6
+
+
 def test_a_stream_that_begins_late_starts_with_its_first_event() -> None:
     unix_us = 1_700_000_000_000_000
     fly = FlyDetector()
@@ -381,6 +428,30 @@ def test_a_search_square_may_hold_no_cell() -> None:
     fly = FlyDetector(FlyConfig(roi_radius_px=1), width=348)
     found = fly.push(busy_stream())
     assert found
+
+
+@pytest.mark.parametrize("bad", [346.0, "346", None, True])
+@pytest.mark.parametrize("side", ["width", "height"])
+def test_a_side_that_is_no_whole_number_is_refused(side: str, bad: object) -> None:
+    with pytest.raises(DetectorConfigError, match=f"{side} is {bad!r}; allowed is a whole number"):
+        FlyDetector(**{side: bad})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", ["wide", {}, 0])
+def test_what_is_no_configuration_is_refused(bad: object) -> None:
+    with pytest.raises(DetectorConfigError, match=r"configuration is .*FlyConfig\.preset"):
+        FlyDetector(bad)  # type: ignore[arg-type]
+
+
+def test_times_that_no_stream_has_are_refused_with_their_remedy() -> None:
+    fly = FlyDetector()
+    with pytest.raises(DetectorError, match=f"time is {2**63} µs; allowed is up to"):
+        fly.advance(2**63)
+    with pytest.raises(DetectorError, match="times start at 0; subtract the first time"):
+        fly.push(at(-5))
+    with pytest.raises(DetectorError, match="times start at 0; subtract the first time"):
+        fly.advance(-5)
+    assert [e.t_us for e in fly.push(at(10_000))] == [10_000]
 
 
 def test_a_sensor_smaller_than_a_correlation_distance_is_refused() -> None:

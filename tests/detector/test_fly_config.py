@@ -93,6 +93,12 @@ def test_distances_follow_one_another_as_asked() -> None:
     assert doubling.offsets_cells == (1, 2, 4, 8, 16)
 
 
+def test_distances_beyond_any_sensor_are_refused() -> None:
+    with pytest.raises(DetectorConfigError, match=r"spacings is 70, .*allowed is 100000 or less"):
+        FlyConfig(offsets=Offsets.DOUBLING, spacings=70)
+    assert FlyConfig(spacing_cells=1000, spacings=100).offsets_cells[-1] == 100_000
+
+
 def test_a_preset_is_found_by_name() -> None:
     assert FlyConfig.preset("paper") == FlyConfig()
     wide = FlyConfig.preset("wide")
@@ -100,6 +106,8 @@ def test_a_preset_is_found_by_name() -> None:
     assert FlyConfig(**json.loads(json.dumps(asdict(wide)))) == wide
     with pytest.raises(DetectorConfigError, match="preset is 'fast'; allowed is one of 'paper', "):
         FlyConfig.preset("fast")
+    with pytest.raises(DetectorConfigError, match=r"preset is \[\]; allowed is one of"):
+        FlyConfig.preset([])  # type: ignore[arg-type]
 
 
 def test_a_further_delay_is_held_to_the_hop_and_to_the_quiet_limit() -> None:

@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from detector.errors import DetectorError
 from detector.estimate import Direction, MotionEstimate
 from detector.metrics import (
     Box,
@@ -84,6 +85,13 @@ def test_grms_is_the_rms_slope_of_both_systems() -> None:
 
 def test_grms_needs_two_steps() -> None:
     assert grms(STEPS[:2], crossing_us=CROSSING) is None
+
+
+@pytest.mark.parametrize("second_us", [30_000, 20_000])
+def test_grms_refuses_steps_out_of_order(second_us: int) -> None:
+    steps = [estimate(30_000, Direction.UP), estimate(second_us, Direction.UP)]
+    with pytest.raises(DetectorError, match=f"at {second_us} µs follows one at 30000 µs"):
+        grms(steps, crossing_us=CROSSING)
 
 
 @pytest.mark.parametrize(

@@ -59,6 +59,14 @@ def test_a_whole_number_of_numpy_becomes_a_plain_one() -> None:
     assert type(whole_time(np.int64(5))) is int  # type: ignore[arg-type]
 
 
+def test_a_time_beyond_any_stream_or_before_0_is_refused() -> None:
+    assert whole_time(2**62) == 2**62
+    with pytest.raises(EventOrderError, match=f"time is {2**63} µs; allowed is up to {2**62} µs"):
+        whole_time(2**63)
+    with pytest.raises(EventOrderError, match="times start at 0; subtract the first time"):
+        check(make((-5, 0, 0, 0)))
+
+
 def test_the_present_is_in_order() -> None:
     check_order(5, 5)
     with pytest.raises(EventOrderError):

@@ -49,8 +49,16 @@ def test_a_sensor_takes_its_numbers_from_the_biases() -> None:
         (lambda: Bias(0, 1.5), "fine is 1.5"),  # type: ignore[arg-type]
         (lambda: Biases(on=Bias(4, 39)), "theta_on is 0.0"),
         (lambda: Biases(off=Bias(5, 39)), "theta_off is -0"),
+        (lambda: Biases(on=(6, 200)), r"bias on is \(6, 200\); allowed is a Bias"),  # type: ignore[arg-type]
     ],
 )
 def test_biases_that_cannot_work_are_refused(make: Any, words: str) -> None:
     with pytest.raises(SensorConfigError, match=words):
         make()
+
+
+def test_the_photoreceptors_bias_sets_its_bandwidth_in_proportion() -> None:
+    default = with_biases(SensorConfig(), Biases())
+    assert default.bandwidth_limit_hz == SensorConfig().bandwidth_limit_hz == 3000.0
+    half = with_biases(SensorConfig(), Biases(photoreceptor=Bias(2, 29)))
+    assert half.bandwidth_limit_hz == pytest.approx(1500.0)

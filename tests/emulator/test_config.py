@@ -69,3 +69,16 @@ def test_noise_free_keeps_what_is_not_noise() -> None:
 def test_a_configuration_cannot_be_changed() -> None:
     with pytest.raises(FrozenInstanceError):
         SensorConfig().width = 10  # type: ignore[misc]
+
+
+def test_parts_of_another_kind_are_refused() -> None:
+    with pytest.raises(SensorConfigError, match="aps is None; allowed is an ApsConfig"):
+        SensorConfig(aps=None)  # type: ignore[arg-type]
+    with pytest.raises(SensorConfigError, match="noise is 'no'; allowed is True or False"):
+        ApsConfig(noise="no")  # type: ignore[arg-type]
+
+
+def test_a_leak_that_heat_takes_beyond_all_measure_is_refused() -> None:
+    assert SensorConfig(temperature_c=85.0).warm_leak_hz < 100.0
+    with pytest.raises(SensorConfigError, match=r"warm_leak_hz is .* from 0 to 10000; lower"):
+        SensorConfig(temperature_c=150.0, leak_doubling_k=5.0)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulator import Cause, Davis346, SensorConfig, check_events
+from emulator import Cause, Davis346, FrameError, SensorConfig, check_events
 from emulator.events import EVENT_DTYPE
 from tests.emulator.scenes import (
     HEIGHT,
@@ -30,7 +30,7 @@ from tests.emulator.scenes import (
 def test_a_static_scene_without_noise_gives_no_event(level: float) -> None:
     config = SensorConfig.noise_free(width=WIDTH, height=HEIGHT)
     scene = level * np.random.default_rng(1).uniform(0.0, 2.0, (HEIGHT, WIDTH)).astype(np.float32)
-    samples = [(0, scene)] + [(t, scene) for t in (100, 1100, 21_100, 10**6, 10**8, 10**9)]
+    samples = [(0, scene)] + [(t, scene) for t in (100, 1100, 21_100, 10**6, 25 * 10**6)]
     assert run(Davis346(config, seed=1), samples)[0].size == 0
 
 
@@ -309,3 +309,38 @@ def test_dead_pixels_are_silent_and_crazy_ones_fire_both_ways() -> None:
     )
     assert crazy["p"].mean() == pytest.approx(0.5, abs=0.03)
     assert crazy.size / np.unique(pixel[causes == Cause.HOT]).size == pytest.approx(600, rel=0.15)
+
+
+@pytest.mark.parametrize("latency_us", [7, 2500])
+def test_latency_delays_every_event_on_an_unlimited_bus_too(latency_us: int) -> None:
+    prompt = replace(noisy(), readout_limit_hz=1e12)
+    late = replace(prompt, readout_latency_us=latency_us)
+    samples = [(t, flat(1.0 + t / 5000, prompt)) for t in range(0, 40_000, 1000)]
+    expected, _ = run(Davis346(prompt, seed=4), samples)
+    outputs = list(Davis346(late, seed=4).stream(samples))
+    found = np.concatenate([output.events for output in outputs])
+    expected["t"] += latency_us
+    assert np.array_equal(found, expected[expected["t"] <= 39_000])
+    assert outputs[-1].readout.waiting == np.count_nonzero(expected["t"] > 39_000)
+    assert max(output.readout.delay_max_us for output in outputs) == latency_us
+
+
+def test_a_step_of_too_many_frames_is_refused_and_changes_nothing() -> None:
+    config = noisy()
+    light = flat(5.0, config)
+    sensor, other = Davis346(config, seed=3), Davis346(config, seed=3)
+    for each in (sensor, other):
+        each.step(0, light)
+    with pytest.raises(FrameError, match=r"the step is 25000001 µs long.*every 25000 µs.*shorter"):
+        sensor.step(25_000_001, 2.0 * light)
+    after, expected = sensor.step(1_000_000, light), other.step(1_000_000, light)
+    assert np.array_equal(after.events, expected.events)
+    assert [f.end_us for f in after.aps_frames] == [f.end_us for f in expected.aps_frames]
+
+
+def test_threads_may_be_counted_by_numpy() -> None:
+    config = noisy()
+    samples = [(t, flat(1.0 + t / 5000, config)) for t in range(0, 5000, 1000)]
+    one, _ = run(Davis346(config, seed=4), samples)
+    two, _ = run(Davis346(config, seed=4, threads=np.int64(2)), samples)  # type: ignore[arg-type]
+    assert np.array_equal(one, two)

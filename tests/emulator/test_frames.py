@@ -39,6 +39,7 @@ def test_grey_levels_are_refused() -> None:
         (999, "999 µs after"),
         (1000 + 2**30, "without gaps of minutes"),
         (1000.5, "allowed is a whole number of µs"),
+        (2**63, "the time is 9223372036854775808 µs; allowed is"),
     ],
 )
 def test_times_that_do_not_go_on_are_refused(time: Any, words: str) -> None:
@@ -77,3 +78,9 @@ def test_numpy_times_and_double_precision_give_the_same_events(integer: Any) -> 
     assert other.dtype == whole.dtype
     assert other.tobytes() == whole.tobytes()
     assert whole.size > 0
+
+
+@pytest.mark.parametrize("time_us", [2**63, -(2**63) - 1, 10**30])
+def test_a_first_time_beyond_64_bits_is_refused(time_us: int) -> None:
+    with pytest.raises(FrameError, match="in 64 bits"):
+        Davis346(quiet(), seed=1).step(time_us, flat(1.0, quiet()))

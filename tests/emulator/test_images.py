@@ -42,6 +42,10 @@ def test_colours_weigh_as_the_eye_sees_them() -> None:
         (np.zeros((4, 4, 4), np.uint8), {}, r"shape \(4, 4, 4\)"),
         (np.zeros((4, 4), np.uint8), {"white_cd_m2": 0.0}, "white_cd_m2 is 0.0"),
         (np.zeros((4, 4), np.uint8), {"white_cd_m2": float("nan")}, "white_cd_m2 is nan"),
+        ([[1, 2], [3, 4]], {}, "the image is a list; allowed is an array"),
+        (np.zeros((4, 4), np.uint8), {"white_cd_m2": "bright"}, "white_cd_m2 is 'bright'"),
+        (np.zeros((4, 4), np.uint8), {"white_cd_m2": None}, "white_cd_m2 is None"),
+        (np.zeros((4, 4), np.uint8), {"white_cd_m2": 1e39}, r"white_cd_m2 is 1e\+39"),
         (np.zeros((4, 4), np.uint8), {"transfer": "gamma"}, "transfer function is 'gamma'"),
     ],
 )

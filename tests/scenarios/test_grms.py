@@ -4,9 +4,15 @@ from pathlib import Path
 
 import pytest
 
+from detector.metrics import grms as grms_of
+from scenarios.config import RunConfig
 from scenarios.envelope.parallel import measure_all
 from scenarios.envelope.stimulus import Stimulus, Surface
 from scenarios.grms import draw_grms, spearman, spearman_by_seed
+from scenarios.pipeline import make_crossing
+from scenarios.repeats import run_repeats
+from sim import CrossingConfig, Lighting
+from sim.config import PAPER_OMEGA_RAD_S
 
 SPEEDS_PX_S = (300.0, 400.0, 500.0, 600.0)
 """In the ratio of the paper's, at a distance of its own."""
@@ -61,3 +67,20 @@ def test_the_flys_grms_rises_with_speed() -> None:
     found = [row["grms"] for row in measure_all(cars, ["fly"], jobs=-1)]
     by_seed = [found[n : n + 4] for n in range(0, len(found), 4)]
     assert sum(spearman(SPEEDS_PX_S, grms) == 1.0 for grms in by_seed) >= 9
+
+
+@pytest.mark.parametrize("lighting", [Lighting.DAY, Lighting.NIGHT])
+def test_the_flys_grms_tells_the_papers_fastest_from_its_slowest(lighting: Lighting) -> None:
+    omegas = PAPER_OMEGA_RAD_S[lighting]
+    slowest, fastest = (rendered_grms(lighting, omega) for omega in (min(omegas), max(omegas)))
+    assert all(fast > slow > 0 for slow, fast in zip(slowest, fastest, strict=True))
+
+
+def rendered_grms(lighting: Lighting, omega_rad_s: float) -> list[float]:
+    """By seed, of one coarse rendering that three sensors see."""
+    crossing = CrossingConfig(
+        lighting=lighting, omega_rad_s=omega_rad_s, step_px=8.0, supersample=1
+    )
+    config = RunConfig(crossing)
+    said, track = run_repeats(config, make_crossing(config).samples(), range(3))
+    return [grms_of(estimates, crossing_us=track.in_view_us) or 0.0 for estimates in said]

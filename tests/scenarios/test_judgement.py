@@ -42,6 +42,14 @@ def test_a_crossing_is_judged_by_what_was_said_in_view() -> None:
     assert found["latency_ms"] == 100
 
 
+def test_a_target_in_view_from_the_start_has_no_latency() -> None:
+    track = track_of((0, 0, 10, 20), (5.0, 8.0))
+    found = judge(SAID, "right", (0, 300_000), track)
+    assert found["latency_ms"] is None
+    assert found["accuracy"] == pytest.approx(2 / 7)
+    assert judge(SAID, "right", (1_000, 300_000), track)["latency_ms"] == 199
+
+
 def test_mistakes_after_100_ms_are_told_apart() -> None:
     found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
     kinds = ("accuracy", "opposite", "sideways", "none")

@@ -3,8 +3,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from detector.contrast_maximisation import ContrastMaximisation
+from detector.estimate import FrameDetector
 from detector.fly import FlyDetector
 from detector.fly_config import FlyConfig
+from detector.frame_fly import FrameFly
+from detector.plane_fit import PlaneFit
 from emulator import ApsFrame, empty_events
 from scenarios.config import RunConfig
 from scenarios.errors import ScenarioError
@@ -40,6 +44,28 @@ class Wordy(Good):
     def push(self, events):
         return ["right"]
 
+class Saying(Good):
+    answers = []
+    def advance(self, t_us):
+        return [self.estimate(*answer) for answer in self.answers]
+    def estimate(self, t_us, hs=0.0, response=(0.0, 0.0)):
+        return MotionEstimate(t_us, hs, 0.0, Direction.NONE, 0.0, response, (0.0, 0.0), None)
+
+class Stuck(Saying):
+    answers = [(20,), (20,)]
+
+class Backwards(Saying):
+    answers = [(20,), (10,)]
+
+class NotANumber(Saying):
+    answers = [(20, float("nan"))]
+
+class Endless(Saying):
+    answers = [(20, 0.0, (float("inf"), 0.0))]
+
+class NoResponse(Saying):
+    answers = [(20, 0.0, None)]
+
 class Watcher(Good):
     def __init__(self, *, width, height):
         self.seen = []
@@ -73,6 +99,22 @@ def test_the_fly_goes_by_the_names_of_its_presets(name: str) -> None:
 def test_fly_and_wide_are_the_papers_and_the_wide_preset() -> None:
     assert FLY_PRESETS["fly"] == FlyConfig()
     assert FLY_PRESETS["wide"] == FlyConfig.preset("wide") != FlyConfig()
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("frame-fly", FrameFly),
+        ("frame-fly-coarse", FrameFly),
+        ("contrast-maximisation", ContrastMaximisation),
+        ("plane-fit", PlaneFit),
+    ],
+)
+def test_the_baselines_go_by_name(name: str, kind: type) -> None:
+    detector = find_method(name).make(width=64, height=48)
+    assert isinstance(detector, kind)
+    assert isinstance(detector, FrameDetector) == (kind is FrameFly)
+    assert RunConfig(method=name).fly is None
 
 
 def test_a_users_class_is_made_for_the_sensors_size() -> None:
@@ -131,12 +173,30 @@ def test_frames_come_between_the_events_before_and_after_them() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "words"), [("Silent", "Silent.advance returned NoneType"), ("Wordy", "a list of str")]
+    ("name", "words"),
+    [
+        ("Silent", "Silent.advance returned NoneType"),
+        ("Wordy", "a list of str"),
+        ("Stuck", "Stuck returned an estimate at 20 µs after one at 20 µs; allowed"),
+        ("Backwards", "an estimate at 10 µs after one at 20 µs"),
+        ("NotANumber", "NotANumber.advance returned an estimate at 20 µs whose hs is nan; allowed"),
+        ("Endless", r"whose response is \(inf, 0.0\)"),
+        ("NoResponse", "whose response is None"),
+    ],
 )
 def test_an_answer_that_is_no_estimate_is_refused(name: str, words: str) -> None:
     detector = find_method(f"some_detectors:{name}").make(width=346, height=260)
     with pytest.raises(MethodError, match=words):
         read(detector, empty_events(), until_us=70)
+
+
+def test_estimates_rise_from_one_reading_to_the_next() -> None:
+    detector = find_method("some_detectors:Good").make(width=346, height=260)
+    said = read(detector, empty_events(), until_us=70)
+    said += read(detector, empty_events(), until_us=80, said=said)
+    assert [e.t_us for e in said] == [70, 80]
+    with pytest.raises(MethodError, match="at 80 µs after one at 80 µs"):
+        read(detector, empty_events(), until_us=80, said=said)
 
 
 def test_the_flys_parameters_are_for_the_fly_alone() -> None:

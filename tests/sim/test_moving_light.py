@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from sim.aperture import LENS_BLUR_PX, to_pixels
 from sim.camera import Intrinsics
 from sim.errors import SceneConfigError
 from sim.moves import body_poses
@@ -47,15 +48,20 @@ def placed(model: mujoco.MjModel) -> mujoco.MjData:
     return data
 
 
-def beam(model: mujoco.MjModel) -> F32:
+def beam(
+    model: mujoco.MjModel,
+    lens: Intrinsics = LENS,
+    size: int = 3,
+    blur_px: float = LENS_BLUR_PX,
+) -> F32:
     """Illuminance of the plane as the engine has it [lux]."""
     data, pose = placed(model), above(EYE_M)
     obj = moving_object(model, "lamp", "box", 1)
-    reach = LightReach(model, data, (obj,), pose, LENS)
+    reach = LightReach(model, data, (obj,), pose, lens)
     moving = MovingLight(model, triangle_soup(model).of_bodies(obj.bodies), reach)
     light = moving.lights(data, body_poses(data), reach.at(data), np.ones(1))
-    street = flat_street(EYE_M, np.zeros(1), albedo=ALBEDO, lens=LENS)
-    return composed(street, light, lens=LENS) / np.float32(ALBEDO)
+    street = flat_street(EYE_M, np.zeros(1), albedo=ALBEDO, lens=lens, size=size)
+    return composed(street, light, lens=lens, blur_px=blur_px) / np.float32(ALBEDO)
 
 
 def drawn(model: mujoco.MjModel) -> F32:
@@ -100,6 +106,14 @@ def test_a_beam_is_as_the_renderer_draws_it(softness: float) -> None:
     np.testing.assert_allclose(lux[bright], reference[bright], rtol=0.03)
     # Nearer to the rim, the renderer's cosine of the cone, which is off by 1e-3, tells.
     assert np.abs(lux - reference).max() < 0.012 * reference.max()
+
+
+def test_a_sharp_rim_is_seen_through_the_aperture() -> None:
+    model = lamp_over_a_plane(".5 -.3 -1", softness=0.01)
+    fine = beam(model, LENS.scaled(3), size=1, blur_px=0.0)
+    inner = np.s_[1:-1, 1:-1]
+    wanted = to_pixels(fine, 3)[inner]
+    np.testing.assert_allclose(beam(model)[inner], wanted, rtol=1e-4, atol=5e-4 * wanted.max())
 
 
 STREET = """<mujoco><worldbody>

@@ -15,7 +15,7 @@ from sim.shadow_maps import (
     draw_shadow_map,
     shadowing_lamps,
 )
-from sim.triangles import Soup, triangle_soup
+from sim.triangles import triangle_soup
 from tests.sim.flat import above, composed, flat_street, lights
 
 F32 = npt.NDArray[np.float32]
@@ -132,6 +132,7 @@ def test_only_what_lies_beyond_the_box_is_dark(world: World, light: int) -> None
 
 def test_what_is_behind_the_lamp_or_beside_the_map_is_lit(world: World) -> None:
     assert (world.lit(LAMP, 3.3) == 1).all()
+    assert (world.lit(LAMP, 3.8) == 1).all()
     far = World(np.array([0.1, 0.1, 0.1]))
     assert (far.lit(SUN, 0.0)[:20] == 1).all()
 
@@ -161,11 +162,9 @@ def test_maps_fit_whatever_the_thing_s_size(half_m: float) -> None:
     assert used[2:-3, 2:-3].mean() > 0.9
 
 
-def test_nobody_casts_no_shadow(world: World) -> None:
-    none: Soup = world.soup.of_bodies([])
-    out = np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
-    made = draw_shadow_map(
-        world.lamp(SUN), world.box, none, world.data, body_poses(world.data), out
-    )
-    assert made is not None
-    assert np.isneginf(out[: made.size[0], : made.size[1]]).all()
+@pytest.mark.parametrize("light", [SUN, LAMP])
+def test_what_casts_no_shadow_has_no_map(world: World, light: int) -> None:
+    none, out = world.soup.of_bodies([]), np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
+    poses = body_poses(world.data)
+    lamp = world.lamp(light)
+    assert draw_shadow_map(lamp, world.box, none, world.data, poses, out) is None

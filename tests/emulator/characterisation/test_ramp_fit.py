@@ -1,11 +1,12 @@
 """Both thresholds from a known modulation."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from emulator import SensorConfig, empty_events
+from emulator import EVENT_DTYPE, FitError, SensorConfig, empty_events
 from emulator.characterisation.bench import chip_luminance, record, resized, uniform
 from emulator.characterisation.ramp_fit import Thresholds, fit_ramps
 
@@ -39,3 +40,26 @@ def test_thresholds_and_mismatch_are_recovered_through_all_noise(
 def test_silence_tells_nothing() -> None:
     found = fit_ramps(empty_events(), width=4, height=4, t_us=[0, 1000], log_light=[1.0, 2.0])
     assert found == Thresholds(None, None, None, None)
+
+
+def test_constant_light_tells_nothing() -> None:
+    events = np.array([(100 * k, 1, 1, k % 4 < 2) for k in range(1, 9)], EVENT_DTYPE)
+    found = fit_ramps(events, width=4, height=4, t_us=[0, 1000], log_light=[2.0, 2.0])
+    assert found == Thresholds(None, None, None, None)
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        ({"t_us": [0, 2000, 1000], "log_light": [1.0, 2.0, 1.0]}, "corner 2 is at 1000 µs after"),
+        ({"t_us": [0, 1000, 2000]}, r"t_us has shape \(3,\) and log_light \(2,\)"),
+        ({"log_light": [1.0, np.nan]}, "holds NaN or infinity"),
+        ({"log_light": ["dark", "bright"]}, "no number"),
+        ({"leak_drift_per_s": -0.01}, "leak_drift_per_s is -0.01"),
+        ({"leak_drift_per_s": np.inf}, "leak_drift_per_s is inf"),
+    ],
+)
+def test_a_modulation_that_is_none_is_refused(known: Any, words: str) -> None:
+    given = {"t_us": [0, 1000], "log_light": [1.0, 2.0], **known}
+    with pytest.raises(FitError, match=words):
+        fit_ramps(empty_events(), width=4, height=4, **given)

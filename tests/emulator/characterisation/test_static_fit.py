@@ -1,11 +1,12 @@
 """From a static recording back to the sensor that made it, to within 10 %."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, EventError, SensorConfig, empty_events
+from emulator import EVENT_DTYPE, EventError, FitError, SensorConfig, empty_events
 from emulator.characterisation.bench import (
     Recording,
     chip_luminance,
@@ -107,3 +108,19 @@ def test_events_of_another_sensor_are_refused() -> None:
     events = recording_of(SensorConfig(), lux=0.1, duration_s=1.0).events
     with pytest.raises(EventError, match="allowed is 0 to 3"):
         fit_static(events, width=4, height=4, end_us=1_000_000)
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        ({"end_us": 499}, "end_us is 499; allowed is a finite number from 500"),
+        ({"end_us": float("inf")}, "end_us is inf"),
+        ({"end_us": float("nan")}, "end_us is nan"),
+        ({"leak_drift_per_s": 0.0}, "leak_drift_per_s is 0.0; allowed is a positive"),
+        ({"leak_drift_per_s": -0.018}, "leak_drift_per_s is -0.018"),
+    ],
+)
+def test_what_cannot_be_known_is_refused(known: Any, words: str) -> None:
+    events = np.array([(500, 1, 1, True)], EVENT_DTYPE)
+    with pytest.raises(FitError, match=words):
+        fit_static(events, width=4, height=4, **{"end_us": 1000, **known})

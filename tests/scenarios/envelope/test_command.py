@@ -84,6 +84,9 @@ def test_what_is_wrong_is_said_before_anything_is_measured(tmp_path: Path) -> No
     done = flybench("envelope", "--speeds", "-5", "--out", "out", cwd=tmp_path)
     assert done.returncode == 2
     assert "speed_px_s of a drawn stimulus is -5.0" in done.stderr
+    done = flybench("envelope", "--jobs", "0", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "jobs is 0; allowed is 1 or more" in " ".join(done.stderr.split())
     assert list(tmp_path.iterdir()) == []
 
 

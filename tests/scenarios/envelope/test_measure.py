@@ -22,6 +22,15 @@ def test_a_row_names_method_stimulus_and_result() -> None:
     assert row["detector_cpu_s"] > 0
 
 
+@pytest.mark.parametrize(("speed_px_s", "known"), [(240, False), (250, True)])
+def test_a_slow_target_is_there_from_the_start_and_has_no_latency(
+    speed_px_s: float, known: bool
+) -> None:
+    (row,) = measure(Stimulus(speed_px_s=speed_px_s), ["fly"])
+    assert row["accuracy"] > 0.5
+    assert (row["latency_ms"] is not None) is known
+
+
 @pytest.mark.parametrize("direction", CARDINAL)
 def test_the_fly_is_right_in_its_range_in_every_direction(direction: str) -> None:
     stimulus = Stimulus(speed_px_s=600, noise_hz=5, direction=direction)  # type: ignore[arg-type]

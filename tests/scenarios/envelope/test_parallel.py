@@ -1,7 +1,10 @@
 from typing import Any
 
+import pytest
+
 from scenarios.envelope.parallel import measure_all
 from scenarios.envelope.stimulus import Stimulus
+from scenarios.errors import ScenarioError
 
 POINTS = [Stimulus(speed_px_s=v, noise_hz=0.5) for v in (2000.0, 1200.0, 1600.0)]
 
@@ -17,3 +20,9 @@ def test_processes_change_neither_results_nor_their_order() -> None:
     assert without_times(together) == without_times(alone)
     assert [row["speed_px_s"] for row in together] == [2000, 1200, 1600]
     assert told == [(0, 3), (1, 3), (2, 3), (3, 3)]
+
+
+@pytest.mark.parametrize("jobs", [0, -2])
+def test_no_number_of_processes_is_refused(jobs: int) -> None:
+    with pytest.raises(ScenarioError, match=f"jobs is {jobs}; allowed is 1 or more, or -1"):
+        measure_all(POINTS, ["fly"], jobs=jobs)

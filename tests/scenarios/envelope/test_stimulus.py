@@ -20,11 +20,29 @@ def test_the_base_point_is_a_stimulus() -> None:
         ("noise_hz", math.inf),
         ("contrast", -0.1),
         ("length_px", 3),
+        ("length_px", 50.5),
         ("seed", -1),
+        ("seed", 1.5),
+        ("width", 0),
+        ("height", 5000),
+        ("contrast", "high"),
     ],
 )
-def test_a_value_out_of_range_is_refused(name: str, value: float) -> None:
+def test_a_value_out_of_range_is_refused(name: str, value: object) -> None:
     with pytest.raises(ScenarioError, match=f"{name} of a drawn stimulus is {value}; allowed is"):
+        Stimulus(**{name: value})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "remedy"),
+    [
+        ("direction", "right", "Direction.RIGHT"),
+        ("surface", "saloon", "Surface.PANELS"),
+        ("background", "wind", "Background.STILL"),
+    ],
+)
+def test_a_name_in_place_of_a_member_is_refused(name: str, value: str, remedy: str) -> None:
+    with pytest.raises(ScenarioError, match=f"{name} of a .* is '{value}', a str; .*{remedy}"):
         Stimulus(**{name: value})  # type: ignore[arg-type]
 
 
