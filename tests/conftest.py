@@ -3,6 +3,10 @@
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("flybench", deadline=None)  # a first call may compile
+settings.load_profile("flybench")
 
 
 @pytest.fixture(autouse=True, scope="session")

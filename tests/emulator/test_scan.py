@@ -1,11 +1,12 @@
 """Work and window: what is skipped changes nothing, and neither do threads."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from emulator import Davis346, FrameError, SensorConfig, SensorConfigError
+from emulator import ApsConfig, Davis346, FrameError, SensorConfig, SensorConfigError
 from tests.emulator.scenes import flat, noisy, run
 
 Frame = np.ndarray[Any, np.dtype[np.float32]]
@@ -93,7 +94,8 @@ def test_sleeping_pixels_wake_after_hours() -> None:
     """Times are kept modulo 2^32 µs, 71 minutes: leak goes on through many turns of it."""
     config = SensorConfig.noise_free(width=16, height=12)
     slow = 1.0 / 4000.0
-    config = type(config)(**{**vars(config), "leak_hz": slow, "theta_mismatch": 0.0})
+    aps = ApsConfig(noise=False, period_min_us=10_000_000)
+    config = replace(config, leak_hz=slow, theta_mismatch=0.0, aps=aps)
     frame = flat(1.0, config)
     events, _ = run(Davis346(config, seed=1), ((t * 10**6, frame) for t in range(0, 40_000, 600)))
     pixel = events["y"].astype(int) * 16 + events["x"]

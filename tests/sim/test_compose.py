@@ -170,6 +170,28 @@ def ramp(view: F64, size: int) -> tuple[F64, I32]:
     return 100 + 20 * x_m + 30 * y_m, label
 
 
+def slanted(view: F64, size: int) -> tuple[F64, F64, I32]:
+    """As `ramp`, of a square whose depth grows by 2 m a metre to the right; and its depth."""
+    x, y = grid(size)
+    right, down = (x - LENS.width / 2) / LENS.focal_px, (y - LENS.height / 2) / LENS.focal_px
+    depth = (view[2, 3] - 2 * view[0, 3]) / (1 - 2 * right)
+    x_m, y_m = right * depth - view[0, 3], down * depth - view[1, 3]
+    label = np.where((np.abs(x_m) < 0.8) & (np.abs(y_m) < 0.8), 1, -1).astype(np.int32)
+    return 100 + 80 * x_m + 30 * y_m, depth, label
+
+
+def test_at_edges_too_a_pattern_moves_as_far_as_its_depth_says() -> None:
+    size, then, now = 3, at(-0.2), at(0.2)
+    fine, _, label = slanted(then, size)
+    seen = surfaces([fine, fine], [label, label], size, now, (then, then), 0.5)
+    wanted, depth, label = slanted(now, size)
+    nearness = np.where(label == 1, 1 / depth, 1 / STREET_M).astype(np.float32)
+    street = flat_street(STREET_M, np.array([10.0]), size=size)
+    image = composed(street, lights(1.0), seen, label, nearness)
+    whole = to_pixels(np.where(label == 1, wanted, 10).astype(np.float32), size)
+    np.testing.assert_allclose(image, whole, atol=1.5)
+
+
 def test_what_no_keyframe_shows_takes_the_bodys_mean() -> None:
     label = shape("disc", 3)
     mover = even_mover(label, 90.0, 3)

@@ -79,7 +79,7 @@ def test_the_mask_lies_where_the_vehicle_is_projected(lighting: str, direction: 
         assert (np.array([x1, y1]) <= high + 1).all()
         assert (np.array([x0, y0]) <= truth.centroid_px).all()
         assert (truth.centroid_px <= np.array([x1, y1])).all()
-        if truth.visibility > 0.99:
+        if truth.visibility > 0.99 and 0 < x0 < x1 < 346 and 0 < y0 < y1 < 260:
             whole += 1
             bumpers = project(_bumpers(truth.position_m), it.scene.pose, it.intrinsics)[0]
             axis = 0 if direction == "right" else 1
