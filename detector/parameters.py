@@ -33,4 +33,4 @@ def check_numbers(config: Any, ranges: Mapping[str, tuple[float, float]]) -> Non
                 f"{name} is {value!r}; allowed is {whole}{low:g} to {high:g}; the default is "
                 f"{default}"
             )
-        object.__setattr__(config, name, type(default)(value))
+        object.__setattr__(config, name, int(value) if is_whole else float(value))
