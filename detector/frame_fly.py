@@ -154,7 +154,7 @@ class FrameFly:
             sum(tangential_response(t, cells=cells, scale=c.response_scale) for t in pathways)
             for pathways in totals.T.tolist()
         )
-        snr = block_signal_to_noise(self._motion.sum(axis=0), side=c.kernel_surround_cells)
+        snr = block_signal_to_noise(self._motion.sum(axis=0), side=c.kernel_centre_cells)
         horizontal, vertical = totals.sum(axis=0).tolist()
         return MotionEstimate(
             t_us=t_us,
