@@ -41,8 +41,7 @@ class Street(NamedTuple):
             light that casts shadows adds where nothing is in its way.
         points: the same on the fine grid, but (rows, columns, 1 + lights): they are read point by
             point.
-        albedo_pixels: (height, width) float32 [cd/m² a lux].
-        albedo_points: the same on the fine grid.
+        albedo_points: fine grid, float32 [cd/m² a lux].
         nearness: fine grid, 1/depth [1/m], float32.
         depth: (height, width) float32 at the pixels' middles [m].
         normals: (height, width, 3) float32 at the pixels' middles, in the camera's frame.
@@ -50,7 +49,6 @@ class Street(NamedTuple):
 
     pixels: F32
     points: F32
-    albedo_pixels: F32
     albedo_points: F32
     nearness: F32
     depth: F32
@@ -391,21 +389,11 @@ def _mark_edges(code: I32, lux: F32) -> Bools:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _near_any(marked: Bools, row: int, column: int) -> bool:
-    """Whether a pixel or a neighbour is marked."""
+def _near_any(marked: Bools | F32, row: int, column: int) -> bool:
+    """Whether a pixel or a neighbour is marked, or above 0."""
     for i in range(max(row - 1, 0), min(row + 2, marked.shape[0])):
         for j in range(max(column - 1, 0), min(column + 2, marked.shape[1])):
-            if marked[i, j]:
-                return True
-    return False
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _near_positive(values: F32, row: int, column: int) -> bool:
-    """Whether a pixel's value or a neighbour's is above 0."""
-    for i in range(max(row - 1, 0), min(row + 2, values.shape[0])):
-        for j in range(max(column - 1, 0), min(column + 2, values.shape[1])):
-            if values[i, j] > 0.0:
+            if marked[i, j] > 0:
                 return True
     return False
 
@@ -452,7 +440,7 @@ def _light_points(
                 even[light] = _evenly_lit(lit, row, column, light)
                 uneven |= not even[light]
                 share[light] = lit[light, row, column]
-            in_beam = _near_positive(lux, row, column)
+            in_beam = _near_any(lux, row, column)
             n_x = normals[y0 + row, x0 + column, 0]
             n_y = normals[y0 + row, x0 + column, 1]
             n_z = normals[y0 + row, x0 + column, 2]

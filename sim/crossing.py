@@ -29,7 +29,7 @@ from sim.visible import Visible
 from sim.windows import Window, hull, points_window, whole
 from sim.witness import Witness
 
-BEAM_SOFTNESS = 4
+BEAM_STEP = 4
 """The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
 FLICKER_STEPS = 20
 """Samples in a period of lamps that flicker (assumed)."""
@@ -233,7 +233,7 @@ class Crossing:
         focal_px = self.intrinsics.focal_px
         sharp = self.scene.fastest_px_s(t_s, focal_px, seen)
         lit = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()
-        return max(sharp, self.scene.fastest_px_s(t_s, focal_px, lit) / BEAM_SOFTNESS)
+        return max(sharp, self.scene.fastest_px_s(t_s, focal_px, lit) / BEAM_STEP)
 
     def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
         return points_window(corners_m, self.scene.pose, self.intrinsics) is not None

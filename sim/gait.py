@@ -101,16 +101,13 @@ class Walking:
     bob: int
     limbs: npt.NDArray[np.int64]
 
-    def put(self, qpos: F64, way_m: float, t_s: float) -> None:  # noqa: ARG002
-        """Set the joints at a place on its path [m]."""
+    def place(self, qpos: F64, t_s: float) -> None:
+        """Set the joints for a time [s]."""
+        way_m = self.path.position_m(t_s)
         phase = self.gait.phase_rad(way_m)
         qpos[self.travel], qpos[self.bob] = way_m, self.gait.bob_m(phase)
         for addresses, side in zip(self.limbs, (phase, phase + math.pi), strict=True):
             qpos[addresses] = *self.gait.leg_rad(side), *self.gait.arm_rad(side)
-
-    def place(self, qpos: F64, t_s: float) -> None:
-        """Set the joints for a time [s]."""
-        self.put(qpos, self.path.position_m(t_s), t_s)
 
     def fastest_m_s(self, t_s: float) -> float:
         """A foot in swing, were hip and knee to turn fastest at once."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -32,18 +32,6 @@ class Motion(Protocol):
 
     def fastest_m_s(self, t_s: float) -> float:
         """A bound on the speed of any of its points [m/s]."""
-
-
-@runtime_checkable
-class Travel(Motion, Protocol):
-    """The motion of something that goes along the street, and so out of sight."""
-
-    @property
-    def path(self) -> Path:
-        """Where it is along its own forward direction."""
-
-    def put(self, qpos: F64, way_m: float, t_s: float) -> None:
-        """Set the object's joints so that it is at a place on its path [m]."""
 
 
 @dataclass(frozen=True)
@@ -80,14 +68,11 @@ class Rolling:
     radii_m: F64
     spokes_m: F64
 
-    def put(self, qpos: F64, way_m: float, t_s: float) -> None:  # noqa: ARG002
-        """Set the joints at a place on its path [m]."""
-        qpos[self.travel] = way_m
-        qpos[self.wheels] = way_m / self.radii_m
-
     def place(self, qpos: F64, t_s: float) -> None:
         """Set the joints for a time [s]."""
-        self.put(qpos, self.path.position_m(t_s), t_s)
+        way_m = self.path.position_m(t_s)
+        qpos[self.travel] = way_m
+        qpos[self.wheels] = way_m / self.radii_m
 
     def fastest_m_s(self, t_s: float) -> float:
         """The uppermost spoke of a rolling wheel outruns the vehicle."""

@@ -38,14 +38,9 @@ class MovingObject:
     box_m: F64
     lamps: Numbers
 
-    def corners_m(self, data: mujoco.MjData, *, fringe_m: float = 0.0) -> F64:
-        """(8, 3) world corners of its box, the kinematics of `data` up to date.
-
-        Args:
-            data: the model's.
-            fringe_m: by how much to widen the box on every side.
-        """
-        corners = box_corners_m(self.box_m + np.array([[-fringe_m], [fringe_m]]))
+    def corners_m(self, data: mujoco.MjData) -> F64:
+        """(8, 3) world corners of its box, the kinematics of `data` up to date."""
+        corners = box_corners_m(self.box_m)
         return np.asarray(corners @ data.xmat[self.root].reshape(3, 3).T + data.xpos[self.root])
 
 

@@ -14,7 +14,7 @@ from sim import light
 from sim.camera import Pose
 from sim.config import CrossingConfig, Direction, Lighting
 from sim.light import Flicker
-from sim.motion import Motion, Travel
+from sim.motion import Motion
 from sim.movers import add_movers, heading, moving_things
 from sim.objects import MovingObject, box_corners_m
 from sim.shake import Shake, camera_shake
@@ -25,9 +25,6 @@ from sim.vehicles import FLANK_M
 
 CAMERA_HEIGHT_M = 1.2
 """Above the road, on a tripod (assumed)."""
-OUT_OF_SIGHT_M = 6.0
-"""How far beyond the view a vehicle stands, its lamps shining away, while the empty street is
-drawn; not farther, since the shadow map is fitted to all that casts a shadow."""
 
 _ROLL_RAD = {
     Direction.RIGHT: 0.0,
@@ -76,11 +73,6 @@ class Scene:
         return self.objects[0]
 
     @property
-    def vehicle_geoms(self) -> Numbers:
-        """Numbers of the geoms that are the target."""
-        return self.target.geoms
-
-    @property
     def heading(self) -> int:
         """+1 where the target drives along the world's x, -1 against it."""
         return heading(self.config.direction)
@@ -89,20 +81,6 @@ class Scene:
         """Set every joint for a time [s], and work out where bodies and lights are."""
         for motion in self.motions:
             motion.place(data.qpos, t_s)
-        self._update(data)
-
-    def vacate(self, data: mujoco.MjData, half_view_rad: float) -> None:
-        """Put what drives or walks out of sight, beyond the right or left end of a view.
-
-        Args:
-            data: to set.
-            half_view_rad: half the angle that the camera sees along the street.
-        """
-        self.place(data, 0.0)
-        for item, motion in zip(self.objects, self.motions, strict=True):
-            if isinstance(motion, Travel):
-                way = self.reach_m(item, half_view_rad) + OUT_OF_SIGHT_M
-                motion.put(data.qpos, way, 0.0)
         self._update(data)
 
     def reach_m(self, item: MovingObject, half_view_rad: float) -> float:
@@ -159,22 +137,6 @@ class Scene:
         corners = self._in_world(np.array(ends), position_m)
         corners[:, 1] = -FLANK_M
         return corners
-
-    @property
-    def has_beams(self) -> bool:
-        """Whether vehicles' lamps light the road."""
-        return any(item.lamps.size for item in self.objects)
-
-    @property
-    def casters_m(self) -> list[F64]:
-        """Where the lights that cast shadows are: (4,) homogeneous; the last is 0 for the sun."""
-        model, found = self.model, []
-        for k in np.flatnonzero(model.light_castshadow):
-            if model.light_type[k] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL:
-                found.append(np.append(-model.light_dir[k], 0.0))
-            elif model.light_type[k] == mujoco.mjtLightType.mjLIGHT_SPOT:
-                found.append(np.append(model.light_pos[k], 1.0))
-        return found
 
     def _in_world(self, points_m: F64, position_m: float) -> F64:
         """Points of the target's frame at a way along its path."""

@@ -88,7 +88,6 @@ def draw_street(
     return Street(
         pixels=np.stack([to_pixels(part, supersample, blur_px) for part in points]),
         points=np.ascontiguousarray(np.moveaxis(points, 0, -1)),
-        albedo_pixels=to_pixels(albedo, supersample, blur_px),
         albedo_points=albedo,
         nearness=nearness,
         depth=depth,

@@ -49,7 +49,6 @@ def flat_street(
     return Street(
         pixels=points[:, middle::size, middle::size].copy(),
         points=np.ascontiguousarray(np.moveaxis(points, 0, -1)),
-        albedo_pixels=np.full((lens.height, lens.width), albedo, np.float32),
         albedo_points=np.full(fine, albedo, np.float32),
         nearness=np.full(fine, 1 / depth_m, np.float32),
         depth=np.full((lens.height, lens.width), depth_m, np.float32),

@@ -101,15 +101,6 @@ def test_lanes_keep_vehicles_and_walkers_apart() -> None:
             assert all(a[1] < b[0] for a, b in itertools.pairwise(spans))
 
 
-def test_vacated_nothing_that_travels_is_in_view() -> None:
-    scene = build_scene(CrossingConfig(distractors=EVERYTHING))
-    lens, data = Intrinsics(), mujoco.MjData(scene.model)
-    scene.vacate(data, lens.half_width_rad)
-    for item in scene.objects[:3]:
-        pixels, _ = project(item.corners_m(data), scene.pose, lens)
-        assert (pixels[:, 0] < 0).all() or (pixels[:, 0] > lens.width).all()
-
-
 @contextmanager
 def rendered(scene: Scene, lens: Intrinsics = COARSE) -> Iterator[Any]:
     """A function that draws a scene at a time."""

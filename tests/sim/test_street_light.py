@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from sim.aperture import to_pixels
 from sim.camera import Intrinsics, Pose
 from sim.compose import Street
 from sim.mains import Mains, changed_lights
@@ -145,7 +146,7 @@ def test_the_model_is_put_back(world: World) -> None:
 
 
 def test_albedo_is_luminance_a_lux(world: World) -> None:
-    albedo = world.street(None, PART).albedo_pixels
+    albedo = to_pixels(world.street(None, PART).albedo_points, SIZE)
     assert albedo[37, 30] == pytest.approx(0.5 / np.pi, rel=0.05)
     assert albedo[26, 41] == pytest.approx(0.1 / np.pi, rel=0.25)  # glass, without its own light
     assert (albedo[:6] == 0).all()
