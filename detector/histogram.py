@@ -22,27 +22,20 @@ _DIVISORS = {
 
 
 def averaged_histogram(
-    tallies: npt.NDArray[np.float64], *, averaging: Averaging, cell_area: int
+    tallies: npt.NDArray[np.float64], *, averaging: Averaging, cell_area: int, oldest: int = 0
 ) -> F32:
     """Average the histogram of each cell (paper, equation 5; 6 and 7 are its two planes).
 
     Args:
         tallies: histogram of equation 4 and the number of events behind it, for each hop of a
-            window, oldest first: (hops, 2, rows, columns, 2), dimensionless.
+            window: (hops, 2, rows, columns, 2), dimensionless.
         averaging: what to divide by.
         cell_area: pixels in a cell.
+        oldest: where the window begins; the hops follow it, around the end.
 
     Returns:
         (2, rows, columns) float32; 0 where a cell has no event.
     """
-    mean: F32 = _averaged(tallies, 0, _DIVISORS[averaging], float(cell_area))
-    return mean
-
-
-def averaged_ring(
-    tallies: npt.NDArray[np.float64], oldest: int, *, averaging: Averaging, cell_area: int
-) -> F32:
-    """The same where the oldest hop is not the first: the others follow it, around the end."""
     mean: F32 = _averaged(tallies, oldest, _DIVISORS[averaging], float(cell_area))
     return mean
 

@@ -19,7 +19,7 @@ from numba import njit
 
 from detector.errors import StateError
 from detector.fly_config import FlyConfig
-from detector.histogram import averaged_ring
+from detector.histogram import averaged_histogram
 from detector.readings import TimeSurface
 
 F32 = npt.NDArray[np.float32]
@@ -185,9 +185,9 @@ class TimeSurfaces:
         slot = hop % len(self._surfaces)
         self._has_surface[slot] = any(self._hop_events)
         if self._has_surface[slot]:
-            self._surfaces[slot] = averaged_ring(
+            self._surfaces[slot] = averaged_histogram(
                 self._tallies,
-                (hop + 1) % len(self._tallies),
+                oldest=(hop + 1) % len(self._tallies),
                 averaging=self._config.averaging,
                 cell_area=self._config.cell_px**2,
             )

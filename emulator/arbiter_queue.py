@@ -20,7 +20,7 @@ LOW_BITS = (1 << TIME_SHIFT) - 1
 ROOM_AT_FIRST = 4096
 _FREE, _WAITS, _HELD = np.uint8(0), np.uint8(1), np.uint8(2)
 BUS, ROW, PENDING, VACANT, SLOTS, HELD_FIRST, HELD_LAST = range(7)
-OFFERED, DELAYED, DROPPED, WORST = range(4)
+DELAYED, DROPPED, WORST = range(3)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 

@@ -2,7 +2,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from detector.histogram import averaged_histogram, averaged_ring
+from detector.histogram import averaged_histogram
 from detector.readings import Averaging
 
 
@@ -37,5 +37,5 @@ def test_a_window_adds_its_hops_from_the_oldest_on() -> None:
     np.testing.assert_allclose(total, hops[..., 0].sum(axis=0), rtol=1e-6)
     for oldest in range(5):
         ring = np.roll(hops, oldest, axis=0)
-        again = averaged_ring(ring, oldest, averaging=Averaging.NONE, cell_area=9)
+        again = averaged_histogram(ring, oldest=oldest, averaging=Averaging.NONE, cell_area=9)
         np.testing.assert_array_equal(again, total)
