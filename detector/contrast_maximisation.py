@@ -12,6 +12,7 @@ import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,7 @@ import numpy.typing as npt
 from detector.contrast_search import Candidate, search_cold, search_warm
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
-from detector.hops import Hops
+from detector.hops import HopDetector
 from detector.parameters import check_numbers
 from detector.tangential import winner_take_all
 from detector.warped_events import Reward, rewards
@@ -197,9 +198,15 @@ def _thinned(events: Events, most: int) -> Events:
 
 def _shuffled(points: F32) -> Iterator[F32]:
     """The same events with their times exchanged at random, the same for the same events."""
+    for order in _orders(points.shape[1]):
+        yield np.stack([points[0], points[1], points[2, order]])
+
+
+@lru_cache(maxsize=2)
+def _orders(number: int) -> npt.NDArray[np.int64]:
+    """(shuffles, number) random orders, kept since most windows have as many events."""
     rng = np.random.default_rng(0)
-    for _ in range(_SHUFFLES):
-        yield np.stack([points[0], points[1], rng.permutation(points[2])])
+    return np.stack([rng.permutation(number) for _ in range(_SHUFFLES)])
 
 
 def _standard_score(value: float, others: Sequence[float]) -> float:
@@ -207,7 +214,7 @@ def _standard_score(value: float, others: Sequence[float]) -> float:
     return (value - float(np.mean(others))) / spread if spread > 0.0 else 0.0
 
 
-class ContrastMaximisation:
+class ContrastMaximisation(HopDetector):
     """Contrast maximisation as a `Detector`: a window of events at every hop.
 
     Its response is the velocity itself [px/s]; hs and vs are its shares of the highest speed
@@ -225,29 +232,10 @@ class ContrastMaximisation:
             height: sensor rows [px].
         """
         self.config = c = config or ContrastConfig()
-        self._width, self._height = width, height
-        self._hops = Hops(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, width=width, height=height)
         hops = c.window_us // c.hop_us
         self._window = deque([empty_events()] * hops, maxlen=hops)
         self._before: Candidate | None = None
-
-    def push(self, events: Events) -> list[MotionEstimate]:
-        """Take the next events of the stream; see `Detector.push`.
-
-        Raises:
-            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
-            EventOrderError: the first event is older than what was passed or advanced to before.
-        """
-        return [self._estimate(*hop) for hop in self._hops.push(events)]
-
-    def advance(self, t_us: int) -> list[MotionEstimate]:
-        """Learn that every event before `t_us` was passed; see `Detector.advance`.
-
-        Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
-        """
-        return [self._estimate(*hop) for hop in self._hops.advance(t_us)]
 
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
         c = self.config

@@ -21,9 +21,9 @@ Candidate = tuple[float, float]
 _COARSEST_PX = 4.0
 """Pixel side of the cold search's grid: narrower than what edges of a vehicle are apart
 (assumed)."""
-_FINEST_SMEAR_PX = 1 / 16
-"""Step of the last grid, as the distance it smears over: under it a reward is a parabola
-(assumed)."""
+_FINEST_SMEAR_PX = 1 / 4
+"""Step of the last grid, as the distance it smears over: under it a reward is a parabola. Steps of
+1/16 changed no error on drawn dots of 120 to 1000 px/s by more than 0.03 px/s."""
 _FIT_SMEAR_PX = 1 / 4
 """Half the step of the fit's samples on either side of the peak, likewise (assumed)."""
 _KEPT = (8, 3, 1)
@@ -31,8 +31,27 @@ _KEPT = (8, 3, 1)
 _WARM_PX = 2.0
 """Pixel side of the warm search's grid, which spans two of its steps to all sides (assumed): 80
 px/s with windows of 50 ms, the change of speed of 1600 px/s² over one window."""
+_GLANCE_PX = 8.0
+"""Pixel side of the warm search's glance, as coarse as leads to a hill's foot (assumed): from there
+it climbs with all events."""
 _MOST_CLIMBS = 20
 """Moves of a grid's centre before the next finer grid (assumed); a peak is 1 to 3 away."""
+
+
+class _Known:
+    """Rewards, each asked for once: grids share points with those before them."""
+
+    def __init__(self, reward_at: RewardAt) -> None:
+        self._reward_at = reward_at
+        self._known: dict[tuple[float, float, float], float] = {}
+
+    def __call__(self, velocities: F64, scale_px: float) -> F64:
+        keys = [(round(float(x), 6), round(float(y), 6), scale_px) for x, y in velocities]
+        new = [n for n, key in enumerate(keys) if key not in self._known]
+        if new:
+            found = self._reward_at(velocities[new], scale_px)
+            self._known.update(zip((keys[n] for n in new), found.tolist(), strict=True))
+        return np.array([self._known[key] for key in keys])
 
 
 def search_cold(reward_at: RewardAt, *, window_s: float, limit_px_s: float) -> Candidate:
@@ -43,7 +62,7 @@ def search_cold(reward_at: RewardAt, *, window_s: float, limit_px_s: float) -> C
         window_s: T, span of the events [s].
         limit_px_s: highest speed looked for [px/s].
     """
-    step = _COARSEST_PX / window_s
+    step, reward_at = _COARSEST_PX / window_s, _Known(reward_at)
     grid = disc(limit_px_s, step)
     best = _peaks(grid, reward_at(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0])
     scale = _COARSEST_PX
@@ -74,13 +93,14 @@ def search_warm(
         window_s: T, span of the events [s].
         limit_px_s: highest speed looked for [px/s].
     """
-    step = _WARM_PX / window_s
+    step, reward_at = _WARM_PX / window_s, _Known(reward_at)
     near = start + square(2, step)
     found = reward_at(near, _WARM_PX)
     best = [_climb(reward_at, _pair(near[int(found.argmax())]), step / 2, 1.0)]
-    grid = disc(limit_px_s, _COARSEST_PX / window_s)
-    there = _pair(grid[int(glance_at(grid, _COARSEST_PX).argmax())])
-    if math.dist(there, best[0][0]) > _COARSEST_PX / window_s:
+    grid = disc(limit_px_s, _GLANCE_PX / window_s)
+    there = _pair(grid[int(glance_at(grid, _GLANCE_PX).argmax())])
+    if math.dist(there, best[0][0]) > _GLANCE_PX / window_s:
+        there, _ = _climb(reward_at, there, 2 * step, _COARSEST_PX)
         there, _ = _climb(reward_at, there, step, _WARM_PX)
         best.append(_climb(reward_at, there, step / 2, 1.0))
     highest, _ = max(best, key=lambda climbed: climbed[1])

@@ -112,18 +112,18 @@ class FlyDetector:
             EventOrderError: the first event is older than what was passed or advanced to before.
         """
         now_us = 0 if self._now_us is None else self._now_us
-        raw = check_chunk(events, width=self._width, height=self._height, now_us=now_us)
-        if raw.size == 0:
+        check_chunk(events, width=self._width, height=self._height, now_us=now_us)
+        if events.size == 0:
             return []
-        self._wake(int(raw["t"][0]))
+        self._wake(int(events["t"][0]))
         estimates: list[MotionEstimate] = []
         taken = 0
         while True:
             hop_end_us = (self._hop + 1) * self.config.hop_us
-            taken = self._surfaces.accumulate(raw, taken, until_us=hop_end_us)
-            if taken == raw.size:
+            taken = self._surfaces.accumulate(events, taken, until_us=hop_end_us)
+            if taken == events.size:
                 break
-            estimates += self._due(int(raw["t"][taken]))
+            estimates += self._due(int(events["t"][taken]))
         self._now_us = self._surfaces.last_event_us
         return estimates
 

@@ -82,9 +82,9 @@ class FrameFly:
             EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
             EventOrderError: the first event is older than what was passed or advanced to before.
         """
-        raw = check_chunk(events, width=self._width, height=self._height, now_us=self._now_us)
-        if raw.size:
-            self._now_us = int(raw["t"][-1])
+        check_chunk(events, width=self._width, height=self._height, now_us=self._now_us)
+        if events.size:
+            self._now_us = int(events["t"][-1])
         return []
 
     def advance(self, t_us: int) -> list[MotionEstimate]:

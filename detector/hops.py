@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 
 import numpy as np
 
+from detector.estimate import MotionEstimate
 from detector.stream import check_chunk, check_order, whole_time
 from emulator.events import Events, empty_events
 
@@ -18,7 +20,7 @@ class Hops:
 
     Hops begin at whole multiples of their length. After `QUIET_LIMIT_US` without an event they
     stop, and go on with the hop of the next event; a stream that begins later than that starts
-    with the hop of its first event.
+    with the hop of its first event, and `advance` beyond that before it hands out nothing.
     """
 
     def __init__(self, hop_us: int, *, width: int, height: int) -> None:
@@ -50,8 +52,8 @@ class Hops:
         taken = 0
         while taken < events.size:
             first_us = int(events["t"][taken])
-            if not self._is_fresh or first_us <= QUIET_LIMIT_US:
-                done += self._complete(first_us)
+            self._wake(first_us)
+            done += self._complete(first_us)
             self._is_fresh = False
             self._skip_quiet(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
@@ -72,8 +74,14 @@ class Hops:
         """
         t_us = whole_time(t_us)
         check_order(t_us, self._now_us)
-        self._now_us, self._is_fresh = t_us, False
+        self._now_us = t_us
+        self._wake(t_us)
         return iter(self._complete(t_us))
+
+    def _wake(self, t_us: int) -> None:
+        """Start with the hop of this time where it comes late and no event was before."""
+        if self._is_fresh and t_us > QUIET_LIMIT_US:
+            self._skip_quiet(t_us)
 
     def _complete(self, t_us: int) -> list[tuple[int, Events]]:
         """Hops that end at or before a time, as far as something happened lately."""
@@ -86,6 +94,43 @@ class Hops:
             self._hop += 1
         return done
 
-    def _skip_quiet(self, first_us: int) -> None:
-        """Go on with the hop of this event."""
-        self._hop = max(self._hop, first_us // self._hop_us)
+    def _skip_quiet(self, t_us: int) -> None:
+        """Go on with the hop of this time."""
+        self._hop = max(self._hop, t_us // self._hop_us)
+
+
+class HopDetector(ABC):
+    """A `Detector` that gives an estimate at the end of every hop, as `Hops` hands them out."""
+
+    def __init__(self, hop_us: int, *, width: int, height: int) -> None:
+        """Start at time 0.
+
+        Args:
+            hop_us: step between estimates [µs].
+            width: sensor columns [px].
+            height: sensor rows [px].
+        """
+        self._width, self._height = width, height
+        self._hops = Hops(hop_us, width=width, height=height)
+
+    def push(self, events: Events) -> list[MotionEstimate]:
+        """Take the next events of the stream; see `Detector.push`.
+
+        Raises:
+            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
+            EventOrderError: the first event is older than what was passed or advanced to before.
+        """
+        return [self._estimate(*hop) for hop in self._hops.push(events)]
+
+    def advance(self, t_us: int) -> list[MotionEstimate]:
+        """Learn that every event before `t_us` was passed; see `Detector.advance`.
+
+        Raises:
+            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
+                number.
+        """
+        return [self._estimate(*hop) for hop in self._hops.advance(t_us)]
+
+    @abstractmethod
+    def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
+        """What there is to say at the end of a hop [µs], of its events and all before."""

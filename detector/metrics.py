@@ -8,16 +8,21 @@ from __future__ import annotations
 
 import itertools
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 
 from detector.errors import DetectorError
 from detector.estimate import Direction, MotionEstimate
+from detector.readings import GrmsOf
 
 Estimates = Sequence[MotionEstimate]
 Box = tuple[int, int, int, int]
 """x0, y0, x1, y1, half-open [px]."""
 Point = tuple[float, float]
 """x, y in continuous pixel coordinates [px]."""
+
+GRMS_STEP_US = 50_000
+"""The paper's Δt: the step from one response to the next in its equations [µs]."""
 
 
 def within(estimates: Estimates, crossing_us: tuple[int, int]) -> list[MotionEstimate]:
@@ -58,29 +63,54 @@ def verdict(estimates: Estimates, *, crossing_us: tuple[int, int]) -> Direction:
     return max(strengths, key=strengths.__getitem__, default=Direction.NONE)
 
 
-def grms(estimates: Estimates, *, crossing_us: tuple[int, int]) -> float | None:
+def grms(
+    estimates: Estimates,
+    *,
+    crossing_us: tuple[int, int],
+    of: GrmsOf = GrmsOf.WINNER,
+    step_us: int = GRMS_STEP_US,
+) -> float | None:
     """Gradient root mean square of the response before normalisation (paper, figure 5 B).
 
-    The gradient is the difference from step to step over the time between, as a vector of both
-    systems, so that it does not depend on the direction of motion.
+    A gradient is the difference from a step to the first that comes `step_us` later or more, over
+    the time between: as a vector, so that it does not depend on the direction of motion.
+
+    Args:
+        estimates: of the whole sequence, in order of time.
+        crossing_us: when the vehicle entered and left the view [µs].
+        of: which response; `GrmsOf` says what either reading gives.
+        step_us: least time that a gradient spans [µs].
 
     Returns:
-        The figure in responses per second, or None with fewer than two steps.
+        The figure in responses per second, or None where no two steps are that far apart.
 
     Raises:
         DetectorError: a step is no later than the one before.
     """
     steps = within(estimates, crossing_us)
-    squares = []
-    for before, after in itertools.pairwise(steps):
-        if after.t_us <= before.t_us:
+    times_us = [e.t_us for e in steps]
+    for before_us, after_us in itertools.pairwise(times_us):
+        if after_us <= before_us:
             raise DetectorError(
-                f"an estimate at {after.t_us} µs follows one at {before.t_us} µs; allowed is a "
+                f"an estimate at {after_us} µs follows one at {before_us} µs; allowed is a "
                 "t_us that rises from each to the next; sort them, and keep one a time"
             )
-        seconds = (after.t_us - before.t_us) * 1e-6
-        squares.append((math.dist(before.response, after.response) / seconds) ** 2)
+    responses = [_put_out(e.response, of) for e in steps]
+    squares = []
+    for n, start_us in enumerate(times_us):
+        later = max(bisect_left(times_us, start_us + step_us), n + 1)
+        if later < len(steps):
+            seconds = (times_us[later] - start_us) * 1e-6
+            squares.append((math.dist(responses[n], responses[later]) / seconds) ** 2)
     return math.sqrt(math.fsum(squares) / len(squares)) if squares else None
+
+
+def _put_out(response: tuple[float, float], of: GrmsOf) -> tuple[float, float]:
+    """Horizontal and vertical response as the model gives them out."""
+    horizontal, vertical = response
+    if of is GrmsOf.BOTH:
+        return response
+    return (horizontal, 0.0) if abs(horizontal) >= abs(vertical) else (0.0, vertical)
 
 
 def onset_latency_us(

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
-from detector.hops import Hops
+from detector.hops import HopDetector
 from detector.parameters import check_numbers
 from detector.surface_slopes import SurfaceSlopes
 from detector.tangential import winner_take_all
@@ -138,7 +138,7 @@ def _significance(v: Any, scatter: Any, weights: Any, residuals: Any) -> float:
     return speed / math.sqrt(variance * float(along @ np.linalg.solve(scatter, along)))
 
 
-class PlaneFit:
+class PlaneFit(HopDetector):
     """Local plane fits as a `Detector`: the common velocity of a window's edges at every hop.
 
     Its response is the velocity [px/s]; hs and vs are its shares of `limit_px_s`. It attends
@@ -156,8 +156,7 @@ class PlaneFit:
             height: sensor rows [px].
         """
         self.config = c = config or PlaneFitConfig()
-        self._width, self._height = width, height
-        self._hops = Hops(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, width=width, height=height)
         self._surface = SurfaceSlopes(
             width=width,
             height=height,
@@ -169,24 +168,6 @@ class PlaneFit:
         )
         hops = c.window_us // c.hop_us
         self._window = deque([np.empty((0, 2), np.float64)] * hops, maxlen=hops)
-
-    def push(self, events: Events) -> list[MotionEstimate]:
-        """Take the next events of the stream; see `Detector.push`.
-
-        Raises:
-            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
-            EventOrderError: the first event is older than what was passed or advanced to before.
-        """
-        return [self._estimate(*hop) for hop in self._hops.push(events)]
-
-    def advance(self, t_us: int) -> list[MotionEstimate]:
-        """Learn that every event before `t_us` was passed; see `Detector.advance`.
-
-        Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
-        """
-        return [self._estimate(*hop) for hop in self._hops.advance(t_us)]
 
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
         c = self.config

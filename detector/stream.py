@@ -6,21 +6,20 @@ import operator
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from detector.errors import EventOrderError
 from emulator.errors import EventError
 from emulator.events import EVENT_DTYPE, Events, check_events
 
-RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
+_RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
 """`EVENT_DTYPE` with the polarity's byte as a number."""
 
 _LATEST_US = 2**62
 """Latest time, 146 000 years [µs]: the end of any hop after it still fits 64 bits."""
 
 
-def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> npt.NDArray[Any]:
+def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None:
     """Refuse a chunk that cannot go on with the stream.
 
     One compiled pass finds whether anything is wrong; only then is it looked for, so that chunks
@@ -32,20 +31,17 @@ def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> npt.
         height: sensor rows [px].
         now_us: time that the stream has reached [µs].
 
-    Returns:
-        The same events as `RAW_DTYPE`, for the kernels.
-
     Raises:
         EventError: no sorted stream of `EVENT_DTYPE` from this sensor.
-        EventOrderError: its first event is before `now_us`.
+        EventOrderError: its first event is before `now_us`, or its last later than a stream holds.
     """
-    if isinstance(events, np.ndarray) and events.dtype == EVENT_DTYPE and events.ndim == 1:
-        raw: npt.NDArray[Any] = events.view(RAW_DTYPE)
-        if _is_sound(raw, width, height, now_us):
-            return raw
+    is_array = isinstance(events, np.ndarray) and events.dtype == EVENT_DTYPE and events.ndim == 1
+    if is_array and _is_sound(events, width, height, now_us):
+        return
     check_events(events, width=width, height=height)
     check_order(int(events["t"][0]), now_us)
-    polarity = events.view(RAW_DTYPE)["p"]
+    whole_time(int(events["t"][-1]))
+    polarity = events.view(_RAW_DTYPE)["p"]
     raise EventError(
         f"an event has the polarity byte {polarity.max()}; allowed is 0 (OFF) or 1 (ON); "
         "set p = raw > 0 when making the array"
@@ -94,10 +90,11 @@ def whole_time(t_us: int) -> int:
 @njit(cache=True)
 def _is_sound(events: Any, width: int, height: int, now_us: int) -> bool:
     before = now_us
-    for n in range(events.size):
-        event = events[n]
+    raw = events.view(_RAW_DTYPE)
+    for n in range(raw.size):
+        event = raw[n]
         inside = 0 <= event.x < width and 0 <= event.y < height
         if event.t < before or not inside or event.p > 1:
             return False
         before = event.t
-    return True
+    return bool(before <= _LATEST_US)

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from detector.stream import RAW_DTYPE
 from emulator.events import Events
 
 F64 = npt.NDArray[np.float64]
@@ -50,9 +49,7 @@ class SurfaceSlopes:
             [s/px], in the order of their events.
         """
         slopes = np.empty((events.size, 2))
-        number = _fit_all(
-            events.view(RAW_DTYPE), self._edge_us, self._event_us, *self._limits, slopes
-        )
+        number = _fit_all(events, self._edge_us, self._event_us, *self._limits, slopes)
         return slopes[:number]
 
 

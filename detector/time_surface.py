@@ -21,6 +21,7 @@ from detector.errors import StateError
 from detector.fly_config import FlyConfig
 from detector.histogram import averaged_histogram
 from detector.readings import TimeSurface
+from emulator.events import Events
 
 F32 = npt.NDArray[np.float32]
 
@@ -33,8 +34,9 @@ _UNIT_SPAN_TAUS = 300
 """How many τ the unit of the weights may age before it is renewed: e^300 is far from overflow."""
 
 _TABLE_BITS = 12
+_TABLE_SIZE = 1 << _TABLE_BITS
 _UNIT_SPAN_US = 1 << 2 * _TABLE_BITS
-"""The same in µs: weights come from two tables, one of the high and one of the low bits."""
+"""The same in µs: weights come from a table of the low bits and one of the high bits."""
 
 _FIRST_ROOM = 1 << 12
 """Events that the memory holds at first; it doubles when a window has more."""
@@ -65,9 +67,9 @@ class TimeSurfaces:
             span_us,
             config.neighbourhood_px,
             config.time_surface is TimeSurface.ITSELF,
-            *_weight_tables(span_us, config.tau_us),
-            np.arange(height, dtype=np.int32) // side * self.columns,
-            np.arange(width, dtype=np.int32) // side,
+            width,
+            _weight_table(span_us, config.tau_us),
+            np.concatenate([np.arange(width) // side, np.arange(height) // side * self.columns]),
         )
         self._totals = np.zeros(2 * height * width)
         grid = 2, self.rows, self.columns
@@ -140,27 +142,27 @@ class TimeSurfaces:
             self._tallies[self._slot] = 0.0
             self._hop_events[self._slot] = 0
 
-    def accumulate(self, raw: npt.NDArray[Any], start: int, *, until_us: int) -> int:
+    def accumulate(self, events: Events, start: int, *, until_us: int) -> int:
         """Add the events before `until_us` to the hop that was begun last.
 
         Args:
-            raw: checked and sorted events of `RAW_DTYPE`, none older than one added before.
+            events: checked and sorted, none older than one added before.
             start: index of the first to take.
             until_us: end of the hop, exclusive [µs].
 
         Returns:
             Index of the first that was not taken: it belongs to a later hop.
         """
-        taken = self._take(raw, start, until_us)
+        taken = self._take(events, start, until_us)
         while taken < 0:
             self._make_room()
-            taken = self._take(raw, -1 - taken, until_us)
+            taken = self._take(events, -1 - taken, until_us)
         self._hop_events[self._slot] += taken - start
         return taken
 
-    def _take(self, raw: npt.NDArray[Any], start: int, until_us: int) -> int:
+    def _take(self, events: Events, start: int, until_us: int) -> int:
         taken: int = _histogram(
-            raw,
+            events,
             start,
             until_us,
             *self._constants,
@@ -168,7 +170,8 @@ class TimeSurfaces:
             self._times,
             self._pixels,
             self._clock,
-            self._tallies[self._slot],
+            self._tallies,
+            self._slot,
         )
         return taken
 
@@ -223,13 +226,14 @@ class TimeSurfaces:
 _ARRAYS = ("totals", "times", "pixels", "clock", "tallies", "surfaces", "has_surface")
 
 
-def _weight_tables(
-    span_us: int, tau_us: int
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """e^(t / τ) for t from 0 to the span, as the product of two tables of its bits."""
-    fine = np.exp(np.arange(1 << _TABLE_BITS) / tau_us)
-    coarse = np.exp(np.arange(0, span_us + 1, 1 << _TABLE_BITS) / tau_us)
-    return coarse, fine
+def _weight_table(span_us: int, tau_us: int) -> npt.NDArray[np.float64]:
+    """e^(t / τ) for t from 0 to the span, as the product of two parts, one of its low bits first.
+
+    They lie in one array, for each array that a kernel is called with takes its time.
+    """
+    fine = np.exp(np.arange(_TABLE_SIZE) / tau_us)
+    coarse = np.exp(np.arange(0, span_us + 1, _TABLE_SIZE) / tau_us)
+    return np.concatenate([fine, coarse])
 
 
 @njit(cache=True)
@@ -241,26 +245,28 @@ def _histogram(
     span_us: int,
     radius: int,
     counts_itself: bool,
-    coarse: Any,
-    fine: Any,
-    first_cell: Any,
-    column: Any,
+    width: int,
+    table: Any,
+    places: Any,
     totals: Any,
     times: Any,
     pixels: Any,
     clock: Any,
     tallies: Any,
+    slot: int,
 ) -> int:
     """Histogram of each cell (paper, equation 4), of the events before `until_us`.
 
+    The cell of a pixel is the sum of its places, the column's and, after those, the row's.
+
     Returns the index of the first event not taken; where the memory is full, −1 less that index.
     """
-    width, height = column.size, first_cell.size
-    cells = tallies.shape[1] * tallies.shape[2]
-    flat = tallies.reshape(-1, 2)
+    height = places.size - width
+    cells = tallies.shape[2] * tallies.shape[3]
+    flat = tallies[slot].reshape(-1, 2)
     wrap = times.size - 1
     now, unit, oldest, pending, newest = clock
-    weight = _weight(now - unit, coarse, fine)
+    weight = _weight(now - unit, table)
     taken = events.size
     for n in range(start, events.size):
         event = events[n]
@@ -273,18 +279,18 @@ def _histogram(
                 totals[pixels[k & wrap]] += weight
             pending = newest
             while oldest < newest and times[oldest & wrap] < now - window_us:
-                gone = _weight(times[oldest & wrap] - unit, coarse, fine)
+                gone = _weight(times[oldest & wrap] - unit, table)
                 totals[pixels[oldest & wrap]] = _rest(totals[pixels[oldest & wrap]], gone)
                 oldest += 1
             if now - unit >= span_us:
-                unit = _renew_unit(now - window_us, unit, oldest < newest, coarse, fine, totals)
-            weight = _weight(now - unit, coarse, fine)
+                unit = _renew_unit(now - window_us, unit, oldest < newest, table, totals)
+            weight = _weight(now - unit, table)
         if newest - oldest > wrap:
             taken = -1 - n
             break
         q = np.int64(event.p)
         pixel = (q * height + event.y) * width + event.x
-        cell = q * cells + first_cell[event.y] + column[event.x]
+        cell = q * cells + places[width + event.y] + places[event.x]
         total = _time_surface(totals, pixel, event.x, event.y, radius, width, height)
         flat[cell, 0] += total / weight + counts_itself
         flat[cell, 1] += 1.0
@@ -295,9 +301,9 @@ def _histogram(
 
 
 @njit(cache=True, forceinline=True)
-def _weight(age_us: int, coarse: Any, fine: Any) -> float:
+def _weight(age_us: int, table: Any) -> float:
     """Weight e^(age / τ) of an event this long after the start of the unit."""
-    return float(coarse[age_us >> _TABLE_BITS] * fine[age_us & ((1 << _TABLE_BITS) - 1)])
+    return float(table[age_us & (_TABLE_SIZE - 1)] * table[_TABLE_SIZE + (age_us >> _TABLE_BITS)])
 
 
 @njit(cache=True, forceinline=True)
@@ -325,11 +331,9 @@ def _rest(total: float, gone: float) -> float:
 
 
 @njit(cache=True)
-def _renew_unit(
-    fresh: int, unit: int, is_anything_live: bool, coarse: Any, fine: Any, totals: Any
-) -> int:
+def _renew_unit(fresh: int, unit: int, is_anything_live: bool, table: Any, totals: Any) -> int:
     """Let the weights' unit start afresh; what counts is no older, so that no age is below 0."""
-    factor = 1.0 / _weight(fresh - unit, coarse, fine) if is_anything_live else 0.0
+    factor = 1.0 / _weight(fresh - unit, table) if is_anything_live else 0.0
     for k in range(totals.size):
         totals[k] *= factor
     return fresh

@@ -90,7 +90,7 @@ def judge(
         is in view from the start (t = 0), since then nobody knows when it entered; roi_iou: overlap
         of the region of interest with the target's box, mean over the steps after 100 ms, 0 where
         there is no region; centroid_error_px: distance from the view centre to the target's
-        centroid, mean over the same steps; grms: of the response [1/s].
+        centroid, mean over the same steps; grms: of the response [1/s], see `metrics.grms`.
     """
     truth = Direction(direction)
     settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from detector.contrast_maximisation import ContrastMaximisation
-from detector.estimate import Detector, FrameDetector, MotionEstimate
+from detector.estimate import Detector, Direction, FrameDetector, MotionEstimate
 from detector.fly import FlyDetector
 from detector.fly_config import FlyConfig
 from detector.frame_fly import FrameFly, FrameFlyConfig
@@ -28,7 +28,9 @@ FLY, WIDE = "fly", "wide"
 FLY_PRESETS = {FLY: FlyConfig.preset("paper"), WIDE: FlyConfig.preset("wide")}
 """The fly's parameters by the name of the method: the paper's, and those for more speeds."""
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
-COARSE_FRAME_FLY = "frame-fly-coarse"
+COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
+VELOCITY_METHODS = frozenset({CONTRAST, PLANE_FIT})
+"""Those whose `MotionEstimate.response` is the image velocity itself [px/s]."""
 _CALLS = ("push", "advance")
 _NUMBERS = ("t_us", "hs", "vs", "strength", "response", "view_centre_px")
 
@@ -94,9 +96,14 @@ def _coarse_frame_fly(*, width: int, height: int) -> Detector:
     return FrameFly(FrameFlyConfig.preset("coarse"), width=width, height=height)
 
 
+def _floorless_frame_fly(*, width: int, height: int) -> Detector:
+    return FrameFly(FrameFlyConfig(snr_floor=0.0), width=width, height=height)
+
+
 BASELINES: dict[str, MakeDetector] = {
     FRAME_FLY: FrameFly,
     COARSE_FRAME_FLY: _coarse_frame_fly,
+    FLOORLESS_FRAME_FLY: _floorless_frame_fly,
     CONTRAST: ContrastMaximisation,
     PLANE_FIT: PlaneFit,
 }
@@ -122,7 +129,7 @@ def read(
 
     Raises:
         MethodError: what it answers is no list of estimates, or one of them is no later than the
-            one before, or holds what is no finite number.
+            one before, or holds what is no finite number, no direction or no box.
     """
     estimates: list[MotionEstimate] = []
     taken = 0
@@ -143,6 +150,7 @@ def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstim
     if isinstance(answer, list) and all(isinstance(e, MotionEstimate) for e in answer):
         for estimate in answer:
             _check_numbers(detector, call, estimate)
+            _check_kinds(detector, call, estimate)
         return answer
     kinds = {type(e).__name__ for e in answer} if isinstance(answer, list) else set()
     found = f"a list of {', '.join(sorted(kinds))}" if kinds else type(answer).__name__
@@ -165,6 +173,22 @@ def _check_numbers(detector: Detector, call: str, estimate: MotionEstimate) -> N
                 f"whose {name} is {value!r}; allowed are finite numbers; where nothing is seen, "
                 "give 0 and Direction.NONE"
             )
+
+
+def _check_kinds(detector: Detector, call: str, estimate: MotionEstimate) -> None:
+    direction: Any = estimate.direction
+    box: Any = estimate.roi_px
+    if not isinstance(direction, Direction):
+        raise MethodError(
+            f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose "
+            f"direction is {direction!r}; allowed is a detector.estimate.Direction, such as "
+            "Direction.RIGHT; make one of a word with Direction(word)"
+        )
+    if box is not None and np.shape(box) != (4,):
+        raise MethodError(
+            f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose "
+            f"roi_px is {box!r}; allowed is (x0, y0, x1, y1), or None where there is no region"
+        )
 
 
 def _check_order(detector: Detector, estimates: Sequence[MotionEstimate]) -> None:

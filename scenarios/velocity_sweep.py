@@ -41,7 +41,7 @@ COLUMNS = (
     "first right",
     "IoU",
     "centre off",
-    "GRMS [1/s]",
+    "GRMS\n[1/s]",
 )
 MOST_SEEDS = 100
 TABLE = "velocities.csv"
@@ -155,7 +155,9 @@ def print_rows(rows: list[Row]) -> None:
     for light in dict.fromkeys(row["lighting"] for row in rows):
         own = [row for row in rows if row["lighting"] == light]
         title = f"{light}, moving {own[0]['truth']}, method {own[0]['method']}, seeds: {seeds}"
-        table = Table(*COLUMNS, title=title, title_justify="left")
+        table = Table(title=title, title_justify="left")
+        for name in COLUMNS:
+            table.add_column(name, no_wrap=" " not in name)
         for omega in dict.fromkeys(row["omega_rad_s"] for row in own):
             table.add_row(*_line([row for row in own if row["omega_rad_s"] == omega]))
         Console().print(table)

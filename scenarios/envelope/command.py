@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from tyro.conf import UseAppendAction
 
+from detector.estimate import FrameDetector
 from scenarios.envelope.grid import BASE, LEVELS, NOISE, NOISES_HZ, SPEED, SPEEDS_PX_S, Grid
 from scenarios.envelope.maps import draw_comparison, draw_levels, draw_method
 from scenarios.envelope.parallel import measure_all
@@ -26,6 +27,7 @@ from scenarios.envelope.table import (
     means,
     range_that_holds,
 )
+from scenarios.errors import ScenarioError
 from scenarios.methods import FLY, find_method
 from scenarios.output import check_output, whole_folder, write_summary
 from scenarios.report import percent
@@ -84,7 +86,7 @@ class Envelope:
         """Measure, write the folder, and print the ranges."""
         grid = self.grid()
         for name in self.methods:
-            find_method(name).make(width=BASE.width, height=BASE.height)
+            _check_method(name)
         check_output(self.out)
         with progress_bar() as progress:
             advance = progress.track(f"envelope of {', '.join(self.methods)}")
@@ -94,6 +96,15 @@ class Envelope:
         print_envelope(rows, grid)
         print(f"wrote {self.out}")
         return 0
+
+
+def _check_method(name: str) -> None:
+    detector = find_method(name).make(width=BASE.width, height=BASE.height)
+    if isinstance(detector, FrameDetector):
+        raise ScenarioError(
+            f"the method {name} looks at frames, and an envelope's stimuli are events alone; "
+            "allowed are methods without push_frame; measure this one with flybench velocity-sweep"
+        )
 
 
 def write_envelope(work: Path, rows: Sequence[Row], grid: Grid, arguments: dict[str, Any]) -> None:

@@ -186,7 +186,8 @@ def _label(level: Any) -> str:
 def _footnote(figure: Figure, rows: Sequence[Row]) -> None:
     seeds = len(levels(rows, "seed"))
     text = (
-        "Share of the 10 ms steps from 100 ms after the target entered view on, mean of "
+        "Share of the 10 ms steps from 100 ms after the target came into view on (a slow one is in "
+        "view from the start), mean of "
         f"{seeds} drawing{'s' if seeds > 1 else ''} a cell; no number: all correct, or none wrong. "
         f"Orange: {100 * HOLDS:.0f} % correct or more. Grey bar: the paper's speeds. "
         f"Where not varied: {BASE.length_px}×{BASE.height_px} px, contrast {BASE.contrast:g}, "

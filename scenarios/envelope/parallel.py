@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-
-from joblib import Parallel, delayed, parallel_config
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from scenarios.envelope.measure import Row, measure
 from scenarios.envelope.stimulus import Stimulus
-from scenarios.errors import ScenarioError
-
-ONE_A_CORE = -1
+from scenarios.parallel import run_here
 
 
 def measure_all(
@@ -35,26 +32,10 @@ def measure_all(
     Raises:
         ScenarioError: that is no number of processes.
     """
-    if jobs != ONE_A_CORE and jobs < 1:
-        raise ScenarioError(
-            f"jobs is {jobs}; allowed is 1 or more, or -1 for one a core; leave it out for that"
-        )
     done: dict[int, list[Row]] = {}
+    measured = run_here(partial(measure, methods=tuple(methods)), points, jobs=jobs)
     progress(0, len(points))
-    with parallel_config(backend="loky", n_jobs=jobs, inner_max_num_threads=1):
-        for n, rows in _as_they_come(points, methods):
-            done[n] = rows
-            progress(len(done), len(points))
+    for n, rows in measured:
+        done[n] = rows
+        progress(len(done), len(points))
     return [row for n in range(len(points)) for row in done[n]]
-
-
-def _as_they_come(
-    points: Sequence[Stimulus], methods: Sequence[str]
-) -> Iterator[tuple[int, list[Row]]]:
-    tasks = (delayed(_numbered)(n, point, tuple(methods)) for n, point in enumerate(points))
-    results: Iterator[tuple[int, list[Row]]] = Parallel(return_as="generator_unordered")(tasks)
-    return results
-
-
-def _numbered(n: int, point: Stimulus, methods: Sequence[str]) -> tuple[int, list[Row]]:
-    return n, measure(point, methods)

@@ -199,29 +199,33 @@ def crossing(
 
     It comes into view at time `lead_us` with its front.
     """
-    return _crossing(pattern.tobytes(), pattern.shape, speed_px_s, direction, lead_us, flat)
+    width, height = before_turning(direction)
+    rightward = _rightward(pattern.tobytes(), pattern.shape, speed_px_s, (width, height), flat)
+    events = turned(rightward, direction, width=width, height=height)
+    events["t"] += lead_us
+    return events, _in_view_us(pattern.shape[1], speed_px_s, width)
+
+
+def before_turning(direction: Direction) -> tuple[int, int]:
+    """Width and height of the image in which `turned` finds a stream that is to fit the sensor."""
+    upright = direction in (Direction.RIGHT, Direction.LEFT)
+    return (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
+
+
+def _in_view_us(length_px: int, speed_px_s: float, width: int) -> int:
+    return int((width + length_px) / speed_px_s * 1e6)
 
 
 @lru_cache(maxsize=64)
-def _crossing(
-    data: bytes,
-    shape: tuple[int, int],
-    speed: float,
-    direction: Direction,
-    lead_us: int,
-    flat: bool,
-) -> tuple[Events, int]:
-    pattern = np.frombuffer(data).reshape(shape)
-    upright = direction in (Direction.RIGHT, Direction.LEFT)
-    width, height = (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
-    in_view_us = int((width + shape[1]) / speed * 1e6)
-    events = slide(
-        pattern,
+def _rightward(
+    data: bytes, shape: tuple[int, int], speed: float, size: tuple[int, int], flat: bool
+) -> Events:
+    width, height = size
+    return slide(
+        np.frombuffer(data).reshape(shape),
         speed_px_s=speed,
         start_px=-shape[1],
         top_px=(height - shape[0]) // 2,
-        duration_us=in_view_us,
+        duration_us=_in_view_us(shape[1], speed, width),
         background=np.zeros((height, width)) if flat else asphalt(height, width),
     )
-    events["t"] += lead_us
-    return turned(events, direction, width=width, height=height), in_view_us

@@ -57,6 +57,13 @@ def test_a_late_stream_starts_with_its_first_event() -> None:
     assert told(stream.push(at(late_us + 3, late_us + 12))) == [(late_us + 10, [late_us + 3])]
 
 
+@pytest.mark.parametrize("told_us", [QUIET_LIMIT_US + 1, 3 * QUIET_LIMIT_US])
+def test_time_told_before_a_late_first_event_changes_nothing(told_us: int) -> None:
+    stream, late_us = hops(), 3 * QUIET_LIMIT_US
+    assert told(stream.advance(told_us)) == []
+    assert told(stream.push(at(late_us + 3, late_us + 12))) == [(late_us + 10, [late_us + 3])]
+
+
 def test_what_is_refused_changes_nothing() -> None:
     stream = hops()
     stream.push(at(9))

@@ -14,6 +14,7 @@ from detector.metrics import (
     verdict,
     within,
 )
+from detector.readings import GrmsOf
 
 CROSSING = (10_000, 50_000)
 
@@ -73,18 +74,38 @@ def test_latency_is_measured_from_entry() -> None:
     assert onset_latency_us(STEPS, Direction.DOWN, crossing_us=CROSSING) is None
 
 
-def test_grms_is_the_rms_slope_of_both_systems() -> None:
-    steps = [
-        estimate(20_000, Direction.RIGHT, response=(0.0, 0.0)),
-        estimate(30_000, Direction.RIGHT, response=(3.0, 4.0)),
-        estimate(50_000, Direction.RIGHT, response=(3.0, 4.0)),
+def responding(*responses: tuple[float, float]) -> list[MotionEstimate]:
+    """Steps every 10 ms from 20 ms on."""
+    return [
+        estimate(20_000 + 10_000 * n, Direction.UP, response=r) for n, r in enumerate(responses)
     ]
-    expected = math.sqrt((500.0**2 + 0.0) / 2)
-    assert grms(steps, crossing_us=CROSSING) == pytest.approx(expected)
 
 
-def test_grms_needs_two_steps() -> None:
-    assert grms(STEPS[:2], crossing_us=CROSSING) is None
+def test_grms_is_the_rms_slope_of_what_the_stronger_system_says() -> None:
+    steps = responding((0.0, 0.0), (5.0, 4.0), (5.0, -12.0), (-6.0, 3.0))
+    squares = 500.0**2, (5.0**2 + 12.0**2) * 100.0**2, (12.0**2 + 6.0**2) * 100.0**2
+    found = grms(steps, crossing_us=CROSSING, step_us=10_000)
+    assert found == pytest.approx(math.sqrt(sum(squares) / 3))
+
+
+def test_grms_of_both_systems_takes_the_weaker_one_in() -> None:
+    steps = responding((0.0, 0.0), (4.0, 3.0), (4.0, 3.0))
+    both = grms(steps, crossing_us=CROSSING, of=GrmsOf.BOTH, step_us=10_000)
+    assert both == pytest.approx(math.sqrt((500.0**2 + 0.0) / 2))
+
+
+def test_a_gradient_spans_a_step_or_the_next_longer_time_there_is() -> None:
+    steps = responding((0.0, 0.0), (9.0, 0.0), (1.0, 0.0))
+    assert grms(steps, crossing_us=CROSSING, step_us=20_000) == pytest.approx(50.0)
+    assert grms(steps, crossing_us=CROSSING, step_us=15_000) == pytest.approx(50.0)
+    assert grms(steps, crossing_us=CROSSING, step_us=1) == grms(
+        steps, crossing_us=CROSSING, step_us=10_000
+    )
+
+
+def test_grms_needs_two_steps_that_far_apart() -> None:
+    assert grms(STEPS[:2], crossing_us=CROSSING, step_us=10_000) is None
+    assert grms(STEPS, crossing_us=CROSSING) is None
 
 
 @pytest.mark.parametrize("second_us", [30_000, 20_000])

@@ -3,6 +3,8 @@
 The textures, places and noise are other than those on which the parameters were chosen.
 """
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -11,9 +13,8 @@ from detector.fly import FlyConfig, FlyDetector
 from detector.metrics import grms
 from emulator.events import Events
 from tests.detector.stimuli import (
-    HEIGHT,
-    WIDTH,
     asphalt,
+    before_turning,
     crossing,
     merged,
     noise,
@@ -24,14 +25,27 @@ from tests.detector.stimuli import (
 
 MOVING = [d for d in Direction if d is not Direction.NONE]
 LENGTH_PX = 120
+AT_HOME_PX_S = (300, 620, 960)
 
 
 def passing(speed_px_s: float, direction: Direction, *, noise_hz: float) -> tuple[Events, int]:
     """A textured box that passes: whole where it is fast, its middle part where it is slow."""
-    upright = direction in (Direction.RIGHT, Direction.LEFT)
-    width, height = (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
+    width, height = before_turning(direction)
+    rightward, duration_us = _rightward(speed_px_s, width, height)
+    events = turned(rightward, direction, width=width, height=height)
+    return merged(
+        events, noise(noise_hz, duration_us=duration_us, seed=_seed(speed_px_s))
+    ), duration_us
+
+
+def _seed(speed_px_s: float) -> int:
+    return 1000 + int(speed_px_s)
+
+
+@lru_cache(maxsize=64)
+def _rightward(speed_px_s: float, width: int, height: int) -> tuple[Events, int]:
     seconds = min(0.8, (width + LENGTH_PX) / speed_px_s)
-    duration_us, seed = int(seconds * 1e6), 1000 + int(speed_px_s)
+    duration_us, seed = int(seconds * 1e6), _seed(speed_px_s)
     events = slide(
         textured_box(LENGTH_PX, 50, seed=seed),
         speed_px_s=speed_px_s,
@@ -41,11 +55,14 @@ def passing(speed_px_s: float, direction: Direction, *, noise_hz: float) -> tupl
         background=asphalt(height, width, seed=seed),
         seed=seed,
     )
-    events = turned(events, direction, width=width, height=height)
-    return merged(events, noise(noise_hz, duration_us=duration_us, seed=seed)), duration_us
+    return events, duration_us
 
 
-def after_100_ms(preset: str, events: Events, until_us: int) -> list[MotionEstimate]:
+@lru_cache(maxsize=256)
+def after_100_ms(
+    preset: str, speed_px_s: float, direction: Direction, noise_hz: float
+) -> list[MotionEstimate]:
+    events, until_us = passing(speed_px_s, direction, noise_hz=noise_hz)
     fly = FlyDetector(FlyConfig.preset(preset))
     return [e for e in fly.push(events) + fly.advance(until_us) if e.t_us > 100_000]
 
@@ -60,18 +77,17 @@ def share(found: list[MotionEstimate], direction: Direction) -> float:
 def test_wide_is_right_from_60_to_1500_px_s(
     speed_px_s: float, direction: Direction, noise_hz: float
 ) -> None:
-    events, duration_us = passing(speed_px_s, direction, noise_hz=noise_hz)
-    assert share(after_100_ms("wide", events, duration_us), direction) >= 0.95
+    assert share(after_100_ms("wide", speed_px_s, direction, noise_hz), direction) >= 0.95
 
 
 @pytest.mark.parametrize("direction", MOVING)
-@pytest.mark.parametrize("speed_px_s", [300, 620, 960])
+@pytest.mark.parametrize("speed_px_s", AT_HOME_PX_S)
 def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
     speed_px_s: float, direction: Direction
 ) -> None:
-    events, duration_us = passing(speed_px_s, direction, noise_hz=5.0)
     paper, wide = (
-        share(after_100_ms(preset, events, duration_us), direction) for preset in ("paper", "wide")
+        share(after_100_ms(preset, speed_px_s, direction, 5.0), direction)
+        for preset in ("paper", "wide")
     )
     assert paper >= 0.9
     assert wide >= paper - 0.01
@@ -82,18 +98,16 @@ def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
 def test_below_its_range_the_paper_preset_says_none_and_not_the_opposite(
     speed_px_s: float, direction: Direction
 ) -> None:
-    events, duration_us = passing(speed_px_s, direction, noise_hz=1.0)
-    found = after_100_ms("paper", events, duration_us)
+    found = after_100_ms("paper", speed_px_s, direction, 1.0)
     assert share(found, direction) + share(found, Direction.NONE) >= 0.95
 
 
 @pytest.mark.parametrize("preset", ["paper", "wide"])
 def test_the_floor_costs_less_than_a_point_on_what_moves(preset: str) -> None:
     with_floor, without = [], []
-    for speed_px_s in (300, 500, 900):
+    for speed_px_s in AT_HOME_PX_S:
         for direction in MOVING:
-            events, duration_us = passing(speed_px_s, direction, noise_hz=3.0)
-            found = after_100_ms(preset, events, duration_us)
+            found = after_100_ms(preset, speed_px_s, direction, 5.0)
             strongest = [
                 (Direction.RIGHT if e.hs > 0 else Direction.LEFT)
                 if abs(e.hs) >= abs(e.vs)

@@ -1,6 +1,7 @@
 import io
 import pickle
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from detector.errors import StateError
-from detector.estimate import Direction
+from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyConfig, FlyDetector
 from detector.state import State
 from emulator.events import Events
@@ -17,6 +18,7 @@ from tests.detector.stimuli import crossing, merged, noise, textured_box
 PRESETS = [FlyConfig.preset("paper"), FlyConfig.preset("wide")]
 
 
+@cache
 def stream() -> Events:
     events, view_us = crossing(textured_box(60, 40), speed_px_s=700, direction=Direction.UP)
     return merged(events, noise(2.0, duration_us=view_us))
@@ -28,13 +30,19 @@ def halfway() -> FlyDetector:
     return fly
 
 
+@cache
+def uninterrupted(config: FlyConfig) -> tuple[FlyDetector, list[MotionEstimate]]:
+    """A fly that saw the stream at once, and what it said."""
+    fly = FlyDetector(config)
+    return fly, fly.push(stream()) + fly.advance(600_000)
+
+
 @pytest.mark.parametrize("config", PRESETS)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(cut=st.integers(0, 40_000))
 def test_a_restored_fly_goes_on_as_if_nothing_had_happened(config: FlyConfig, cut: int) -> None:
-    events = stream()
-    whole, first, second = (FlyDetector(config) for _ in range(3))
-    expected = whole.push(events) + whole.advance(600_000)
+    events, (whole, expected) = stream(), uninterrupted(config)
+    first, second = FlyDetector(config), FlyDetector(config)
     found = first.push(events[:cut])
     second.restore(first.state())
     first.push(events[cut:])

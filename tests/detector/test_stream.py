@@ -65,6 +65,9 @@ def test_a_time_beyond_any_stream_or_before_0_is_refused() -> None:
         whole_time(2**63)
     with pytest.raises(EventOrderError, match="times start at 0; subtract the first time"):
         check(make((-5, 0, 0, 0)))
+    check(make((2**62, 0, 0, 0)))
+    with pytest.raises(EventOrderError, match=f"time is {2**63 - 1} µs; allowed is up to"):
+        check(make((5, 0, 0, 0), (2**63 - 1, 0, 0, 0)))
 
 
 def test_the_present_is_in_order() -> None:

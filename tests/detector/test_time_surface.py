@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from detector.fly_config import FlyConfig
 from detector.readings import Averaging, TimeSurface
-from detector.stream import RAW_DTYPE
 from detector.time_surface import TimeSurfaces
 from emulator.events import EVENT_DTYPE, Events
 
@@ -51,7 +50,7 @@ def surfaces_at(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.flo
     for hop in range(end_us // c.hop_us):
         surfaces.begin_hop(hop)
         until_us = (hop + 1) * c.hop_us
-        taken = surfaces.accumulate(events.view(RAW_DTYPE), taken, until_us=until_us)
+        taken = surfaces.accumulate(events, taken, until_us=until_us)
     return surfaces.average(hop=end_us // c.hop_us - 1)
 
 
@@ -119,7 +118,7 @@ def test_the_delayed_signal_is_the_mean_over_the_delays() -> None:
     taken, kept = 0, []
     for hop in range(12):
         surfaces.begin_hop(hop)
-        taken = surfaces.accumulate(events.view(RAW_DTYPE), taken, until_us=(hop + 1) * 10_000)
+        taken = surfaces.accumulate(events, taken, until_us=(hop + 1) * 10_000)
         kept.append(surfaces.average(hop=hop))
     np.testing.assert_array_equal(surfaces.averaged(hop=8), kept[8])
     np.testing.assert_allclose(surfaces.delayed(hop=11), (kept[9] + kept[6]) / 2, rtol=1e-6)
@@ -152,6 +151,6 @@ def test_memory_follows_the_window_and_not_the_stream() -> None:
     for hop in range(60):
         surfaces.begin_hop(hop)
         first, until_us = hop * 10_000, (hop + 1) * 10_000
-        surfaces.accumulate(events.view(RAW_DTYPE), first, until_us=until_us)
+        surfaces.accumulate(events, first, until_us=until_us)
         sizes.append(surfaces.memory_bytes)
     assert sizes[-1] == sizes[10]

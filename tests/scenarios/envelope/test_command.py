@@ -10,12 +10,12 @@ import pytest
 
 from scenarios.envelope.command import Envelope
 from scenarios.envelope.grid import LEVELS
-from scenarios.errors import OutputError
+from scenarios.errors import OutputError, ScenarioError
 from scenarios.methods import MethodError
 
 SMALL = [
-    *("--speeds", "1000", "2000", "--noises", "0.5", "1", "--seeds", "1"),
-    *("--cross", "direction", "--only", "background", "--jobs", "1"),
+    *("--speeds", "2000", "--noises", "0.5", "1", "--seeds", "1"),
+    *("--cross", "direction", "--only", "contrast", "--jobs", "1"),
 ]
 
 
@@ -45,17 +45,18 @@ def test_the_folder_holds_table_maps_and_summary(ran: tuple[Path, str]) -> None:
     assert set(summary["files"]) == names
     assert set(summary["holds"]) == {"fly", "wide"}
     assert summary["parameters"]["method"] == ["fly", "wide"]
-    assert summary["grid"]["speeds_px_s"] == [1000, 2000]
+    assert summary["grid"]["speeds_px_s"] == [2000]
 
 
 def test_the_table_has_a_row_a_stimulus_and_method(ran: tuple[Path, str]) -> None:
     with (ran[0] / "envelope.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    points = 2 * (2 * 4 + 3)  # speeds × (noise × direction, and the other backgrounds)
+    points = 2 * 4 + 3  # noise × direction, and the other contrasts
     assert len(rows) == 2 * points
     assert {row["method"] for row in rows} == {"fly", "wide"}
-    assert {row["background"] for row in rows} == {"still", "shake", "wind", "distractor"}
-    fly = [float(r["accuracy_after_100ms"]) for r in rows if r["method"] == "fly"]
+    assert {float(row["contrast"]) for row in rows} == {0.1, 0.2, 0.4, 0.8}
+    usual = [row for row in rows if row["method"] == "fly" and row["contrast"] == "0.4"]
+    fly = [float(row["accuracy_after_100ms"]) for row in usual]
     assert sum(fly) / len(fly) > 0.9
 
 
@@ -66,12 +67,10 @@ def test_what_is_printed_names_methods_and_range(ran: tuple[Path, str]) -> None:
 
 def test_an_envelope_replaces_an_earlier_one_and_nothing_else(ran: tuple[Path, str]) -> None:
     folder, _ = ran
-    done = flybench(
-        *("envelope", "--speeds", "2000", "--noises", "1", "--seeds", "1", "--jobs", "1"),
-        *("--only", "direction", "--out", "out"),
-        cwd=folder.parent,
+    again = Envelope(
+        speeds=(2000,), noises=(1,), seeds=1, cross=(), only=("surface",), jobs=1, out=folder
     )
-    assert done.returncode == 0, done.stderr
+    assert again.execute() == 0
     assert not (folder / "wide.png").exists()
     (folder / "mine.txt").write_text("mine")
     with pytest.raises(OutputError, match="was not written by flybench"):
@@ -81,12 +80,12 @@ def test_an_envelope_replaces_an_earlier_one_and_nothing_else(ran: tuple[Path, s
 def test_what_is_wrong_is_said_before_anything_is_measured(tmp_path: Path) -> None:
     with pytest.raises(MethodError, match="allowed is fly"):
         Envelope(method=("fly", "bee"), out=tmp_path / "out").execute()
-    done = flybench("envelope", "--speeds", "-5", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "speed_px_s of a drawn stimulus is -5.0" in done.stderr
-    done = flybench("envelope", "--jobs", "0", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "jobs is 0; allowed is 1 or more" in " ".join(done.stderr.split())
+    with pytest.raises(ScenarioError, match="frame-fly looks at frames"):
+        Envelope(method=("frame-fly",), out=tmp_path / "out").execute()
+    with pytest.raises(ScenarioError, match=r"speed_px_s of a drawn stimulus is -5\.0"):
+        Envelope(speeds=(-5.0,), out=tmp_path / "out").execute()
+    with pytest.raises(ScenarioError, match="jobs is 0; allowed is 1 or more"):
+        Envelope(jobs=0, out=tmp_path / "out").execute()
     assert list(tmp_path.iterdir()) == []
 
 
