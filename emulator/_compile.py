@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar, cast
 
@@ -22,8 +23,9 @@ def discard_stale_kernels(package: Path) -> None:
     """
     newest = max(source.stat().st_mtime_ns for source in package.glob("*.py"))
     for index in (package / "__pycache__").glob("*.nbi"):
-        if index.stat().st_mtime_ns < newest:
-            index.unlink(missing_ok=True)
+        with suppress(FileNotFoundError):  # another process may be at it too
+            if index.stat().st_mtime_ns < newest:
+                index.unlink()
 
 
 def compiled(function: Kernel) -> Kernel:

@@ -136,6 +136,18 @@ def followed_pixel_of(fields: Reals, k: int) -> tuple[Pixel, Threshold]:
     return pixel, Threshold(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
 
 
+@inlined
+def time_to_wake(
+    fields: Reals, k: int, pixel: Pixel, threshold: Threshold, changed: bool, to_us: int
+) -> np.int32:
+    """When pixel `k` of a batch may next have an event: at once, if its light is on the move."""
+    sleep_us = 0.0
+    if not changed:
+        noise_rate, drift = fields[NOISE_RATE + k], fields[DRIFT + k]
+        sleep_us = earliest_event_us(pixel, threshold, noise_rate, drift)
+    return np.int32(to_us + np.int64(sleep_us))
+
+
 @compiled
 def return_followed(
     state: PixelState,
@@ -174,19 +186,14 @@ def return_followed(
             keys[used] = make_key(fields[EVENT_TIME + k], step_us, i, int(fields[MARK + k]))
             used += 1
         own = pixels[i]
-        own.log_lux = fields[LOG_TO + k]
         own.lag = fields[NEW_LAG + k]
         own.change = fields[NEW_CHANGE + k]
         own.leak = fields[NEW_LEAK + k]
         own.clock = fields[NEW_CLOCK + k]
         own.touched_us = now_us
         light[i] = luminance[i]
-        wake_us[i] = now_us
-        if not changes[k]:
-            pixel, threshold = followed_pixel_of(fields, k)
-            noise_rate, drift = fields[NOISE_RATE + k], fields[DRIFT + k]
-            sleep_us = earliest_event_us(pixel, threshold, noise_rate, drift)
-            wake_us[i] = np.int32(to_us + np.int64(sleep_us))
+        pixel, threshold = followed_pixel_of(fields, k)
+        wake_us[i] = time_to_wake(fields, k, pixel, threshold, changes[k], to_us)
     return used
 
 
@@ -250,7 +257,6 @@ def finish_batch(
                     found += 1
                 elapsed_us += spent_us
         used = found
-        own.log_lux = log_to
         own.lag = pixel.lag
         own.change = pixel.change
         own.leak = -pixel.busy_us if pixel.busy_us > 0.0 else pixel.leak
@@ -260,9 +266,5 @@ def finish_batch(
         if behind.size > i:
             behind[i] = pixel.behind
         light[i] = luminance[i]
-        sleep_us = 0.0
-        if not changed:
-            noise_rate, drift = fields[NOISE_RATE + k], fields[DRIFT + k]
-            sleep_us = earliest_event_us(pixel, threshold, noise_rate, drift)
-        wake_us[i] = np.int32(to_us + np.int64(sleep_us))
+        wake_us[i] = time_to_wake(fields, k, pixel, threshold, changed, to_us)
     return count, used

@@ -9,12 +9,16 @@ it (libcaer's table of coarse currents). The formulas:
   while it is slower than the photoreceptor before it;
 - bandwidth of the photoreceptor in bright light, in proportion to its bias current PrBp
   (Lichtsteiner 2008: the bias of the receptor's amplifier limits it there); 3 kHz at the maker's
-  default (assumed: Lichtsteiner's figure, taken to hold for the DAVIS346 at that code);
+  default code (assumed: Lichtsteiner's figure, taken to hold for the DAVIS346 at that code);
 - refractory period C·U/I_refr, C = 20 fF, U = 0.8 V.
 
 The constants are those of jAER's estimates for the DAVIS, which its authors call guesses. The
-thresholds that they give at the maker's defaults (0.41 and 0.26) are higher than the 0.18 and 0.22
+thresholds that they give at the maker's defaults (0.28 and 0.26) are higher than the 0.18 and 0.22
 that v2e found for them, and that our default configuration has.
+
+The default codes are those that libcaer, the maker's library, sends to a DAVIS346. Other programs
+send others: a driver for ROS has OnBn (6, 200) and PrSFBp (1, 33), for a threshold of 0.41 and a
+follower twice as fast.
 
 No bias touches the noise: the rate of shot noise is a function of light alone
 (`emulator.noise`), where in a real pixel lower thresholds and a wider bandwidth let more through.
@@ -24,6 +28,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Self
 
 from emulator._ranges import check_ranges
 from emulator.config import SensorConfig
@@ -46,8 +51,8 @@ class Bias:
 
     Attributes:
         coarse: coarse code, 0 to 7.
-        fine: fine code, 0 to 255; 0 is taken to leave one step of current (assumed, since the
-            maker's default for OffBn is 0 and works).
+        fine: fine code, 0 to 255; 0 is taken to leave one step of current (assumed, since OffBn
+            is 0 by default in the maker's DAVIS240, which works).
 
     Raises:
         SensorConfigError: a code is outside its range.
@@ -72,11 +77,13 @@ class Bias:
 
 
 _PHOTORECEPTOR = Bias(2, 58)
+"""Code of PrBp at which `_LIMIT_HZ` is taken to hold: libcaer's default; that it gives 3 kHz is
+assumed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Biases:
-    """The biases that shape events; the defaults are the maker's for the DAVIS346 (libcaer).
+    """The biases that shape events; the defaults are those of libcaer for the DAVIS346.
 
     Attributes:
         diff: of the differencing amplifier (DiffBn).
@@ -92,10 +99,10 @@ class Biases:
     """
 
     diff: Bias = Bias(4, 39)
-    on: Bias = Bias(6, 200)
-    off: Bias = Bias(4, 0)
+    on: Bias = Bias(5, 255)
+    off: Bias = Bias(4, 1)
     photoreceptor: Bias = _PHOTORECEPTOR
-    follower: Bias = Bias(1, 33)
+    follower: Bias = Bias(1, 16)
     refractory: Bias = Bias(4, 25)
 
     def __post_init__(self) -> None:
@@ -104,12 +111,30 @@ class Biases:
             if not isinstance(bias, Bias):
                 raise SensorConfigError(
                     f"the bias {each.name} is {bias!r}; allowed is a Bias; "
-                    "give one, such as Bias(6, 200)"
+                    "give one, such as Bias(5, 255)"
                 )
         positive = "OnBn must be well above DiffBn, and OffBn well below it"
         check_ranges(
             self, {"theta_on": (0.01, 10.0, positive), "theta_off": (0.01, 10.0, positive)}
         )
+
+    @classmethod
+    def preset(cls, name: str) -> Self:
+        """The maker's defaults for a sensor.
+
+        Args:
+            name: `davis346` or `davis240`, which differ in OffBn alone (libcaer).
+
+        Raises:
+            SensorConfigError: another name.
+        """
+        known = {"davis346": cls(), "davis240": cls(off=Bias(4, 0))}
+        if name not in known:
+            raise SensorConfigError(
+                f"the biases are those of {name!r}; allowed is one of {', '.join(known)}; give "
+                "single biases instead, such as Biases(on=Bias(5, 255))"
+            )
+        return known[name]
 
     @property
     def theta_on(self) -> float:

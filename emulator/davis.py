@@ -55,10 +55,16 @@ class Davis346:
         threads: how many share a step; their number changes nothing but the time it takes.
 
     Raises:
-        SensorConfigError: the seed is negative or no integer, or there are no threads.
+        SensorConfigError: what is given is no `SensorConfig`, the seed is negative or no integer,
+            or there are no threads.
     """
 
     def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
+        if not isinstance(config, SensorConfig):
+            raise SensorConfigError(
+                f"the sensor is {config!r}; allowed is a SensorConfig; make one, or take one by "
+                "name with preset, such as preset('davis346')"
+            )
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             raise SensorConfigError(
                 f"the seed is {seed!r}; allowed is a whole number from 0; choose one, such as 1"

@@ -23,7 +23,7 @@ LOG_PIECE = 0.25
 less than 0.3 %. Longer ramps are cut into pieces where τ follows the light."""
 
 
-@compiled
+@inlined
 def log_current(lux: float, dark_lux: float) -> float:
     """Steady output of the photoreceptor, u = ln(E + E_dark), at `lux` on the chip."""
     return log(lux + dark_lux)

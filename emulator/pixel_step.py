@@ -120,7 +120,7 @@ def step_pixels(
     block, blocks = part * GROUP, work.changed.size
     while block < blocks:
         block, count = fill_batch(work, block, parts, batch)
-        gather(state.pixels, luminance, from_us, batch.places, count, batch.fields)
+        gather(state.pixels, state.luminance, luminance, from_us, batch.places, count, batch.fields)
         follow_batch(batch.fields, model, rounded_up(count), span_us)
         solve_crossings(batch, model, count, span_us)
         if keys.size - used < BATCH:

@@ -13,7 +13,6 @@ from emulator.change_detector import draw_thresholds
 from emulator.config import SensorConfig
 from emulator.noise import NoiseLaw, draw_crazy_rates, draw_hot_rates, exponential, noise_law
 from emulator.optics import lux_per_cd_m2
-from emulator.photoreceptor import log_current
 
 BLOCK = 64
 """Neighbouring pixels that are looked at together: one bit each of a 64-bit mask."""
@@ -26,7 +25,6 @@ none is greater, since a pixel sleeps for 18 minutes at most."""
 
 PIXEL_DTYPE = np.dtype(
     [
-        ("log_lux", np.float32),
         ("lag", np.float32),
         ("change", np.float32),
         ("leak", np.float32),
@@ -41,9 +39,8 @@ PIXEL_DTYPE = np.dtype(
 )
 """One pixel: what it remembers, and what mismatch has made of it once and for all. Differences,
 not levels, are kept, since float32 resolves them to 1e-8. With its light and its time to wake it
-takes 48 bytes: 36 of state, 12 of mismatch.
+takes 44 bytes: 32 of state, 12 of mismatch.
 
-log_lux: u, logarithm of the current at the last sample [ln lux].
 lag: u less the photoreceptor's output [ln units].
 change: photoreceptor's output less the memorised value, without leak [ln units].
 leak: what leak has added to that difference since the last event [ln units]; in a pixel held in
@@ -142,19 +139,16 @@ def make_model(config: SensorConfig, seed: np.uint64) -> PixelModel:
 
 
 @compiled
-def settle(pixels: Pixels, luminance: Floats, model: PixelModel) -> None:
-    """Let pixels look at one scene for long, and wind their clocks up for the first time.
+def wind_up(pixels: Pixels, seed: np.uint64) -> None:
+    """Wind the noise clocks of pixels up for the first time.
 
     Args:
         pixels: (pixels,) changed in place.
-        luminance: (pixels,) light of the scene [cd/m²].
-        model: the sensor.
+        seed: of the random numbers.
     """
-    for i in range(luminance.size):
-        lux = luminance[i] * model.lux_per_cd_m2
-        pixels[i].log_lux = log_current(lux, model.dark_lux)
+    for i in range(pixels.size):
         dead = pixels[i].theta_on == np.inf
-        pixels[i].clock = np.inf if dead else exponential(model.seed, i, 0)
+        pixels[i].clock = np.inf if dead else exponential(seed, i, 0)
         pixels[i].draws = 1
 
 
@@ -166,7 +160,7 @@ def settled_state(luminance: Floats, model: PixelModel, pixels: Pixels) -> Pixel
         model: the sensor.
         pixels: (pixels,) as they were drawn; changed in place.
     """
-    settle(pixels, luminance, model)
+    wind_up(pixels, model.seed)
     return PixelState(
         luminance=luminance.copy(),
         wake_us=np.zeros(luminance.size, np.int32),

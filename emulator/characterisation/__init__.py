@@ -5,22 +5,7 @@ causes only where it says so. `characterise` runs them all; `fit_static` and `fi
 other way, from a recording to the sensor's parameters.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping
-
-from emulator.characterisation import (
-    arbiter,
-    background,
-    bandwidth,
-    dynamic_range,
-    intervals,
-    latency,
-    leak,
-    photon_transfer,
-    refractory,
-    s_curve,
-)
+from emulator.characterisation.datasheet import EXPERIMENTS, Datasheet, characterise
 from emulator.characterisation.ramp_fit import Thresholds, fit_ramps
 from emulator.characterisation.section import (
     Plot,
@@ -31,49 +16,10 @@ from emulator.characterisation.section import (
     Style,
 )
 from emulator.characterisation.static_fit import StaticFit, fit_static
-from emulator.config import SensorConfig
-
-EXPERIMENTS: Mapping[str, Callable[..., Section]] = {
-    "s_curve": s_curve.measure,
-    "bandwidth": bandwidth.measure,
-    "latency": latency.measure,
-    "dynamic_range": dynamic_range.measure,
-    "refractory": refractory.measure,
-    "background": background.measure,
-    "intervals": intervals.measure,
-    "leak": leak.measure,
-    "arbiter": arbiter.measure,
-    "photon_transfer": photon_transfer.measure,
-}
-"""Every experiment by name, in the order of the data sheet; each takes a sensor and a seed."""
-
-
-def characterise(
-    config: SensorConfig,
-    *,
-    seed: int,
-    progress: Callable[[int, int], None] | None = None,
-) -> dict[str, Section]:
-    """Run every experiment.
-
-    Args:
-        config: the sensor; experiments replace its size.
-        seed: of everything random.
-        progress: is told how many experiments are done, and how many there are.
-
-    Returns:
-        What each experiment found, by its name in `EXPERIMENTS`.
-    """
-    sections = {}
-    for done, (name, measure) in enumerate(EXPERIMENTS.items(), start=1):
-        sections[name] = measure(config, seed=seed)
-        if progress is not None:
-            progress(done, len(EXPERIMENTS))
-    return sections
-
 
 __all__ = [
     "EXPERIMENTS",
+    "Datasheet",
     "Plot",
     "Published",
     "Quantity",

@@ -29,15 +29,19 @@ from emulator.config import SensorConfig
 from emulator.events import Events
 
 WIDTH, HEIGHT = 128, 96
+"""Enough pixels to fill the bus of the DAVIS346 ten times over at the fastest flicker."""
 CHIP_LUX = 2000.0
 """Bright enough for the full bandwidth, and for hardly any noise [lux]."""
 SWING = 1.0
 """Of the flicker, peak to peak [ln units of light]."""
 _SAMPLES = 24
+"""A cycle: straight lines between them stay within 1 % of the sine."""
 _LEAST_SAMPLES, _MOST_SAMPLES = 60, 200
+"""From two and a half cycles to eight."""
 _EVENTS = 120_000
 """About how many are drawn at each load."""
 _TIME_BITS = 40
+"""Of a key that holds pixel and time: 12 days."""
 _SHORTEST_US = 0.01
 """Mean delay below which none is drawn."""
 

@@ -29,8 +29,12 @@ from emulator.config import SensorConfig
 from emulator.events import Cause
 
 SIDE_PX = 64
+"""More pixels than the 50×50 of the published recording."""
 _DIM_LUX, _DIM_S, _BRIGHT_S = 3.0, 20.0, 400.0
+"""Light on the chip below which shot noise is quick to count, and how long to count: at the
+published rates a thousand events or more of each polarity at 0.1 and 161 lux."""
 _HOT_DEVIATIONS = 8.0
+"""Of chance, beyond which a pixel is hot: one healthy pixel in 10¹⁵."""
 
 
 @dataclass(frozen=True)

@@ -38,14 +38,21 @@ from emulator.config import SensorConfig
 from emulator.events import Cause
 
 WIDTH = 96
-PEAK_TO_PEAK = 1.0
-"""Of the flicker [ln units of light]: 2.7 to 1."""
+LEAST_SWING, _SWING_IN_THRESHOLDS, _GREATEST_SWING = 1.0, 5.5, 8.0
+"""Of the flicker, peak to peak [ln units of light]: 2.7 to 1, or more where that would make fewer
+than five events a cycle."""
+_MARGIN = 1.2
+"""Amplitudes calibrated, over the flicker's: the fit may try a share above 1."""
 _CALIBRATION_LUX = 2000.0
 """On the chip: bright enough for the full bandwidth and hardly any noise."""
 _CALIBRATION_HZ = 20.0
+"""Two decades below the cutoff there."""
 _CALIBRATION_ROWS = 160
+"""Pixels of each amplitude: mismatch moves their mean by 1.5 %."""
 _SAMPLES = 48
+"""A cycle: straight lines between them stay within 0.2 % of the sine."""
 _SETTLING_CYCLES, _CYCLES = 3, 4
+"""Cycles passed over, in which the answer becomes the same each time, and cycles counted."""
 _LEAST_EVENTS = 2.0
 """Events a cycle at the plateau below which no cutoff is fitted."""
 _NOISY = 0.3
@@ -98,7 +105,7 @@ def measure_response(
         One response a light.
     """
     lux = np.atleast_1d(np.asarray(chip_lux, np.float64))
-    amplitude = np.full((1, WIDTH), PEAK_TO_PEAK)
+    amplitude = np.full((1, WIDTH), calibration.swing)
     found = [_events_per_cycle(config, lux, amplitude, float(f), seed) for f in frequency_hz]
     signal, noise = (
         np.array([part.mean(axis=1) for part in parts]).T for parts in zip(*found, strict=True)
@@ -124,10 +131,15 @@ class Calibration:
     events: Values
     refractory_us: float
 
+    @property
+    def swing(self) -> float:
+        """Peak to peak of the flicker that it is for [ln units]."""
+        return float(self.amplitude[-1]) / _MARGIN
+
     def model(self, frequency_hz: Values, share: float, cutoff_hz: float) -> Values:
         """(n,) events a cycle at `frequency_hz` of a pixel with that cutoff."""
         gain = share / np.sqrt(1.0 + (frequency_hz / cutoff_hz) ** 2)
-        swing = PEAK_TO_PEAK * gain
+        swing = self.swing * gain
         per_event = self.amplitude[-1] / (self.events[-1] + 1.0)
         lost = 0.25 * math.pi**2 * frequency_hz * swing * self.refractory_us * 1e-6 / per_event
         slow = np.interp(swing, self.amplitude, self.events)
@@ -163,7 +175,8 @@ class Calibration:
 
 def calibrate(config: SensorConfig, *, seed: int) -> Calibration:
     """Events a cycle against amplitude, slowly and in bright light."""
-    amplitude = np.linspace(0.0, 1.2 * PEAK_TO_PEAK, WIDTH)[None, :]
+    swing = min(max(LEAST_SWING, _SWING_IN_THRESHOLDS * config.theta_on), _GREATEST_SWING)
+    amplitude = np.linspace(0.0, _MARGIN * swing, WIDTH)[None, :]
     lux = np.full(_CALIBRATION_ROWS, _CALIBRATION_LUX)
     events, _ = _events_per_cycle(config, lux, amplitude, _CALIBRATION_HZ, seed)
     rising = np.maximum.accumulate(events.mean(axis=0))
@@ -182,8 +195,8 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     at = SCENE_LUX.index(_REFERENCE_LUX)
     return Section(
         "Bandwidth",
-        f"A grey card of 18 % flickers by {math.exp(PEAK_TO_PEAK):.1f} to 1, sinusoidally in the "
-        "logarithm; ON events of the signal per cycle and pixel. The cutoff is that of the "
+        f"A grey card of 18 % flickers by {math.exp(calibration.swing):.1f} to 1, sinusoidally in "
+        "the logarithm; ON events of the signal per cycle and pixel. The cutoff is that of the "
         "first-order low-pass fitted to the curve, by way of the events that slow flicker of "
         "lesser amplitude makes. Where the card makes fewer than "
         f"{_LEAST_EVENTS:g} events a cycle there is none: in dim light the dark current hides the "

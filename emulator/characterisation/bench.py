@@ -24,6 +24,9 @@ REFLECTANCE = 0.18
 SCENE_LUX = (0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
 """Starlight to sunlight, on the scene [lux]."""
 
+LONGEST_WAIT_US = 60e6
+"""Time constant that an experiment waits for at most: ten of them still make one step of light."""
+
 Frame = npt.NDArray[np.float32]
 Counts = npt.NDArray[np.int64]
 
@@ -111,14 +114,16 @@ def columns(config: SensorConfig, luminance: npt.ArrayLike) -> Frame:
 
 
 def time_constant_us(config: SensorConfig, chip_lux: float) -> float:
-    """Time constant of the photoreceptor that the maker promises at a light, at least 1 µs.
+    """Time constants of photoreceptor and follower that the maker promises, added; 1 µs to 1 min.
 
     It only sets how long an experiment waits, never what it measures.
     """
     corner_hz = min(
         config.bandwidth_limit_hz, config.bandwidth_hz_per_lux * (chip_lux + config.warm_dark_lux)
     )
-    return max(1.0, 1e6 / (2.0 * math.pi * corner_hz))
+    follower_s = 1.0 / config.follower_hz if config.follower_hz > 0.0 else 0.0
+    tau_us = 1e6 * (1.0 / corner_hz + follower_s) / (2.0 * math.pi)
+    return min(max(1.0, tau_us), LONGEST_WAIT_US)
 
 
 def counts(events: Events, shape: tuple[int, int]) -> Counts:

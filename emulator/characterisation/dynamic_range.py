@@ -30,12 +30,15 @@ from emulator.config import SensorConfig
 from emulator.events import Cause
 
 DARKENING = 0.8
+"""Of the bar (assumed: what black print takes from grey paper; the sources do not say)."""
 BRIGHTEST_LUX = 1e5
 """Sunlight, on the scene [lux]."""
 _HALF = 0.5
+"""Share of pixels that counts as an answer, as at the threshold of an S-curve."""
 _STAY = 5.0
 """How long the bar stays, in time constants of the photoreceptor in its shade."""
 SIDE_PX = 32
+"""A thousand pixels: a share is known to 1.6 %."""
 
 Floats = npt.NDArray[np.float64]
 

@@ -20,7 +20,9 @@ from emulator.config import SensorConfig
 DIM_LUX, BRIGHT_LUX = 0.1, 3000.0
 """On the chip: where shot noise rules, and where leak does [lux]."""
 _BINS = 60
+"""Of the histogram, even in the logarithm."""
 _FEWEST = 20
+"""Intervals below which nothing is said of them: a variation would be uncertain by a quarter."""
 
 Floats = npt.NDArray[np.float64]
 

@@ -34,8 +34,11 @@ CONTRAST = math.log(2.0)
 SPOT_PX = 8
 """Side of the spot."""
 _STEPS = 24
+"""Of each pixel: its jitter is known to 15 %, that of the spot's pixels to 2 %."""
 _HOLD = 8.0
+"""How long each light stays, in time constants: 0.03 % of the step is left then."""
 _LEAST_ANSWERS = 0.5
+"""Share of steps answered below which a median latency would be one of the quick pixels alone."""
 _BRIGHT_CHIP_LUX = 1000.0
 """Where the sources give their least latencies."""
 

@@ -23,15 +23,24 @@ from emulator.characterisation.section import Plot, Quantity, Section, Style, se
 from emulator.config import SensorConfig
 
 SIDE_PX = 160
+"""A variance of a pair of frames is known to 0.9 %."""
 _LIGHTS = 20
+"""Evenly spaced; the standard asks for 50, of which the line needs a few."""
 _BRIGHTEST = 1.25
 """Greatest light of the sweep, over the one that saturates."""
 _PERIOD_US = 1_000_000
+"""From frame to frame, or as long as exposure and readout take."""
+_LONGEST_PERIOD_US = 10_000_000
+"""That a sensor can be asked for."""
 _FITTED = (0.02, 0.7)
 """Share of saturation between which the line is fitted: the standard's 70 %, and above clipping."""
 _FPN_FRAMES = 24
+"""Averaged: what temporal noise leaves is a ninth of the default pattern's variance, and is taken
+off."""
 _QUANTISATION = 1.0 / 12.0
+"""Variance that rounding adds [DN²]."""
 _SEARCH_LUX = np.geomspace(0.01, 1e5, 36)
+"""Lights tried until one comes within a third of saturation: five a decade."""
 
 Floats = npt.NDArray[np.float64]
 Stack = npt.NDArray[np.uint16]
@@ -84,10 +93,12 @@ def measure_photon_transfer(config: SensorConfig, *, seed: int) -> PhotonTransfe
 
 def frames(config: SensorConfig, *, chip_lux: float, number: int, seed: int) -> Stack:
     """Frames of an even light at a fixed exposure: (number, SIDE_PX, SIDE_PX) [DN]."""
-    aps = replace(config.aps, auto_exposure=False, period_min_us=_PERIOD_US)
+    period_us = max(_PERIOD_US, config.aps.exposure_us + config.aps.readout_us)
+    least_us = min(period_us, _LONGEST_PERIOD_US)
+    aps = replace(config.aps, auto_exposure=False, period_min_us=least_us)
     sensor = replace(config, width=SIDE_PX, height=SIDE_PX, aps=aps)
     light = uniform(sensor, chip_luminance(sensor, chip_lux))
-    times = range(0, (number + 1) * _PERIOD_US, _PERIOD_US)
+    times = range(0, (number + 1) * period_us, period_us)
     recording = record(sensor, ((t, light) for t in times), seed=seed)
     return np.stack([frame.image for frame in recording.aps_frames[:number]])
 

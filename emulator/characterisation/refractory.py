@@ -27,11 +27,15 @@ from emulator.config import SensorConfig
 from emulator.events import Events
 
 SIDE_PX = 4
+"""Few, since every pixel of a seed shows the same period; mismatch averages over the seeds."""
 _START_LUX, _END_LUX = 100.0, 1e6
 """On the chip: from where the biases limit the bandwidth to where leak begins to help [lux]."""
 _SETTLING = 4.0
+"""Time constants after which the photoreceptor climbs within 2 % of the light's rate."""
 _SPEEDS = (1.0, 0.75, 0.5, 0.33, 0.25)
+"""Of the ramps, over the fastest that the photoreceptor has the time to follow."""
 _SEEDS = 8
+"""Sensors: 128 pixels in all."""
 
 Floats = npt.NDArray[np.float64]
 

@@ -44,21 +44,27 @@ from emulator.characterisation.section import Plot, Quantity, Section, Style, se
 from emulator.config import SensorConfig
 
 WIDTH, HEIGHT = 64, 400
+"""Columns, one a contrast, and pixels that see each: a share is known to 2.5 %."""
 CONTROLS = 8
 """Columns that see no step; what fires there is noise."""
 REFERENCE_LUX = 1e3
 """Light on the scene whose fits stand in the table."""
 _RESET_RATIO = 20.0
+"""Of the step that resets: three ln units, many times any threshold."""
 _SETTLING = 8.0
+"""How long the pixels are held in reset, in time constants: a thousandth of a ln unit is left of
+the step that reset them."""
 _READY = 0.4
 """Wait for the last pixels to leave reset, in time constants: longer, and noise comes first."""
 _WINDOW = 5.0
 """How long an answer is waited for, in time constants; 0.7 % of the step is still to come then."""
 _LEAST_RESPONSE = 0.3
+"""Share of pixels, beyond what noise does, that must answer the largest steps for a fit."""
 _NOISY = 0.15
 """Share of noise above which a threshold is not used to find the dark current: it comes out high,
 since noise resets pixels that were on their way."""
 _GREATEST_CONTRAST = 4.0
+"""Of the steps [ln units]: 55 to 1."""
 
 Contrasts = npt.NDArray[np.float64]
 

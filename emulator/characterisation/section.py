@@ -100,6 +100,11 @@ class Section:
     quantities: Sequence[Quantity]
     plots: Sequence[Plot] = ()
 
+    @property
+    def figures(self) -> dict[str, Quantity]:
+        """The lines of the table by name; of those named "the same" the last."""
+        return {quantity.name: quantity for quantity in self.quantities}
+
 
 def series(
     label: str,

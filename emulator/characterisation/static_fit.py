@@ -14,8 +14,11 @@ What can be known, and what not:
 - θ_on and its mismatch, from T, where the drift in ln units per second is known: it is a property
   of the junction and its light, not of the threshold's bias (Nozaki, Delbruck 2017). Without it a
   static recording gives θ_on up to that factor, hence the mismatch relative to the threshold.
-- θ_off, never: leak drifts the other way, and the rate of shot noise is known as a function of the
-  light, not of the threshold. It takes a known modulation: `emulator.characterisation.ramp_fit`.
+- θ_off, never, whatever the method: on a static scene nothing moves a pixel towards it, since leak
+  drifts the other way, and shot noise is a process in time whose rate follows the light and not
+  the threshold (`emulator.noise`). Two sensors that differ in θ_off alone give one and the same
+  static recording, event for event (a test holds that), so that no function of it can tell them
+  apart. It takes a known modulation: `emulator.characterisation.ramp_fit` gives both thresholds.
 """
 
 from __future__ import annotations

@@ -7,27 +7,27 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from emulator import SensorConfig
-from emulator.characterisation import Plot, Quantity, Section, Series
+from emulator.characterisation import Datasheet, Plot, Quantity, Section, Series
 from scenarios.output import GENERATOR
 
 
 def as_dict(
-    sections: Mapping[str, Section],
-    *,
-    config: SensorConfig,
-    preset: str,
-    seed: int,
-    versions: Mapping[str, str],
+    sheet: Datasheet, *, changes: Mapping[str, Any], versions: Mapping[str, str]
 ) -> dict[str, Any]:
-    """The data sheet as plain lists, strings and finite numbers."""
+    """The data sheet as plain lists, strings and finite numbers.
+
+    Args:
+        sheet: what was measured.
+        changes: what makes the sensor, its preset included.
+        versions: of the programs that made it.
+    """
     return {
         "generator": GENERATOR,
-        "preset": preset,
-        "seed": seed,
+        "asked_for": dict(changes),
+        "seed": sheet.seed,
         "versions": dict(versions),
-        "sensor": asdict(config),
-        "sections": {name: _section(section) for name, section in sections.items()},
+        "sensor": asdict(sheet.config),
+        "sections": {name: _section(section) for name, section in sheet.sections.items()},
     }
 
 

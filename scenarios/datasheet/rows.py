@@ -20,10 +20,16 @@ def published(quantity: Quantity) -> str:
 
 
 def difference(quantity: Quantity) -> str:
-    """Measured less published: in dB for dB, else as a share, and as a factor where it is large."""
-    share = quantity.difference
-    if share is None or quantity.measured is None or quantity.published is None:
+    """Measured less published: in dB for dB, else as a share, and as a factor where it is large.
+
+    Where 0 was published there is no share, and the difference stands in the unit.
+    """
+    if quantity.measured is None or quantity.published is None:
         return ""
+    share = quantity.difference
+    if share is None:
+        excess = f"+{quantity.measured:.0e} {quantity.unit}".replace("-", "−").strip()
+        return excess if quantity.measured else "0.0"
     if quantity.unit == "dB":
         return f"{_signed(quantity.measured - quantity.published.value)} dB"
     if share >= 1.0:

@@ -27,8 +27,10 @@ def test_thresholds_follow_the_logarithm_of_the_ratio() -> None:
 def test_the_makers_defaults_give_the_3_us_of_our_configuration() -> None:
     biases = Biases()
     assert round(biases.refractory_us) == SensorConfig().refractory_us == 3
-    assert biases.follower_hz == pytest.approx(590.0, rel=0.01)
-    assert (biases.theta_on, biases.theta_off) == pytest.approx((0.414, 0.262), abs=1e-3)
+    assert biases.follower_hz == pytest.approx(286.0, rel=0.01)
+    assert (biases.theta_on, biases.theta_off) == pytest.approx((0.283, 0.262), abs=1e-3)
+    assert Biases.preset("davis346") == biases
+    assert Biases.preset("davis240").off == Bias(4, 0)
 
 
 def test_a_sensor_takes_its_numbers_from_the_biases() -> None:
@@ -49,6 +51,7 @@ def test_a_sensor_takes_its_numbers_from_the_biases() -> None:
         (lambda: Bias(0, 1.5), "fine is 1.5"),  # type: ignore[arg-type]
         (lambda: Biases(on=Bias(4, 39)), "theta_on is 0.0"),
         (lambda: Biases(off=Bias(5, 39)), "theta_off is -0"),
+        (lambda: Biases.preset("davis128"), "those of 'davis128'; allowed is one of davis346"),
         (lambda: Biases(on=(6, 200)), r"bias on is \(6, 200\); allowed is a Bias"),  # type: ignore[arg-type]
     ],
 )

@@ -1,28 +1,16 @@
-"""The example of the README, run as a user would run it, in a process of its own."""
+"""The first example of the README, run in a process that has no renderer to import."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
-EXAMPLE = '''\
-import numpy as np
-from emulator import Davis346, SensorConfig, luminance_of
+import emulator
 
-config = SensorConfig(width=128, height=96)
-
-def video():
-    """A bright bar that crosses a dark street at 200 px/s: 8-bit frames at 1 kHz."""
-    for k in range(500):
-        image = np.full((96, 128), 60, np.uint8)
-        image[:, int(0.2 * k) : int(0.2 * k) + 10] = 200
-        yield k * 1000, luminance_of(image, white_cd_m2=200.0, transfer="srgb")
-
-sensor = Davis346(config, seed=1)
-for output in sensor.stream(video()):
-    events, causes = output.events, output.causes       # t [µs], x, y, p; signal, leak, shot, hot
-    for frame in output.aps_frames:
-        print(f"{frame.end_us} µs: frame of {frame.exposure_us} µs, {frame.image.mean():.0f} DN")
-print(f"{events.size} events in the last step, {output.readout.dropped} lost at the arbiter")
-'''
+PAGE = Path(emulator.__file__).parent / "README.md"
+EXAMPLE, *_ = re.findall(
+    r"^```python\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE
+)
 
 
 def test_the_example_runs_without_the_renderer() -> None:

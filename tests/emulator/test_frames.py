@@ -84,3 +84,9 @@ def test_numpy_times_and_double_precision_give_the_same_events(integer: Any) -> 
 def test_a_first_time_beyond_64_bits_is_refused(time_us: int) -> None:
     with pytest.raises(FrameError, match="in 64 bits"):
         Davis346(quiet(), seed=1).step(time_us, flat(1.0, quiet()))
+
+
+@pytest.mark.parametrize("config", ["davis346", None])
+def test_a_sensor_needs_a_configuration(config: Any) -> None:
+    with pytest.raises(SensorConfigError, match=r"allowed is a SensorConfig.*preset\('davis346'\)"):
+        Davis346(config, seed=1)

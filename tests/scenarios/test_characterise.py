@@ -12,6 +12,7 @@ import pytest
 from emulator import SensorConfig
 from emulator.characterisation import (
     EXPERIMENTS,
+    Datasheet,
     Plot,
     Published,
     Quantity,
@@ -27,6 +28,7 @@ from scenarios.datasheet.figures import draw_svg
 from scenarios.datasheet.numbers import as_dict
 from scenarios.datasheet.page import page
 from scenarios.output import SUMMARY
+from scenarios.sensor_options import SensorOptions
 from scenarios.terminal import execute
 
 X = np.array([1.0, 10.0, 100.0])
@@ -82,14 +84,17 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         characterise,
         "characterise",
-        lambda config, *, seed, **_: {"refractory": refractory.measure(config, seed=seed)},
+        lambda config, *, seed, **_: Datasheet(
+            config, seed, {"refractory": refractory.measure(config, seed=seed)}
+        ),
     )
 
 
-def whole_page() -> str:
-    return page(
-        {"one": SECTION}, config=SensorConfig(), preset="davis346", seed=3, versions={"numpy": "2"}
-    )
+SHEET = Datasheet(SensorConfig(), 3, {"one": SECTION})
+
+
+def whole_page(**changes: object) -> str:
+    return page(SHEET, changes={"preset": "davis346", **changes}, versions={"numpy": "2"})
 
 
 @pytest.mark.usefixtures("quick")
@@ -109,13 +114,31 @@ def test_command_writes_a_folder_and_prints_the_figures(
     assert json.loads(first)["sensor"]["refractory_us"] == 3
 
 
+@pytest.mark.usefixtures("quick")
+def test_the_sensor_is_measured_as_configured(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    options = SensorOptions(preset="dvs128", set=("refractory_us=50", "aps.noise=false"))
+    assert execute(Characterise(options, out=tmp_path / "sheet")) == 0
+    numbers = json.loads((tmp_path / "sheet" / NUMBERS).read_text())
+    assert numbers["asked_for"]["aps"] == {"noise": False}
+    period = numbers["sections"]["refractory"]["figures"][0]["measured"]
+    assert period == pytest.approx(50.0, rel=0.05)
+    text = (tmp_path / "sheet" / PAGE).read_text()
+    assert "emulated dvs128, altered" in text
+    assert "refractory_us = 50, aps.noise = False" in text
+    assert "DAVIS346" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("command", "words"),
     [
         (
-            Characterise(preset="kodak", out=Path("never")),  # type: ignore[arg-type]
+            Characterise(SensorOptions(set=("preset=kodak",)), out=Path("never")),
             ("'kodak'", "davis346"),
         ),
+        (Characterise(SensorOptions(set=("theta_on=0",)), out=Path("never")), ("theta_on is 0",)),
         (Characterise(seed=-1, out=Path("never")), ("--seed is -1", "allowed is 0 to")),
     ],
 )
@@ -176,9 +199,7 @@ def test_figures_are_svg_and_repeatable() -> None:
 
 
 def test_numbers_are_plain_and_finite() -> None:
-    made = as_dict(
-        {"one": SECTION}, config=SensorConfig(), preset="davis346", seed=3, versions={"numpy": "2"}
-    )
+    made = as_dict(SHEET, changes={"preset": "davis346"}, versions={"numpy": "2"})
     text = json.dumps(made, allow_nan=False)
     one = json.loads(text)["sections"]["one"]
     assert one["plots"][0]["series"][0]["y"] == [1.0, None, 3.0]
@@ -198,6 +219,8 @@ def test_numbers_as_people_read_them() -> None:
     assert rows.difference(Quantity("a", "dB", 113.2, Published(120.0, ""))) == "−6.8 dB"
     assert rows.difference(Quantity("a", "", 2.9999, Published(3.0, ""))) == "0.0 %"
     assert rows.difference(Quantity("a", "", 2.0)) == ""
+    assert rows.difference(Quantity("a", "Hz", 5.01e-5, Published(0.0, ""))) == "+5e−05 Hz"
+    assert rows.difference(Quantity("a", "Hz", 0.0, Published(0.0, ""))) == "0.0"
     assert rows.short_source(Quantity("a", "", 2.0, Published(1.0, "Joubert 2021, X"))) == (
         "Joubert 2021"
     )

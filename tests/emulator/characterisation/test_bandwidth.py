@@ -7,7 +7,7 @@ import pytest
 
 from emulator import SensorConfig
 from emulator.characterisation.bandwidth import (
-    PEAK_TO_PEAK,
+    LEAST_SWING,
     Calibration,
     calibrate,
     measure,
@@ -27,6 +27,16 @@ def test_cutoff_grows_with_light_up_to_the_limit() -> None:
     )
     cutoffs = [response.cutoff_hz for response in responses]
     assert cutoffs == pytest.approx([41.0, 201.0, 800.0], rel=0.1)
+
+
+def test_a_high_threshold_is_given_more_flicker() -> None:
+    config = replace(SensorConfig.noise_free(), theta_on=0.5, bandwidth_limit_hz=800.0)
+    calibration = calibrate(config, seed=1)
+    assert calibration.swing == pytest.approx(2.75)
+    (response,) = measure_response(
+        config, calibration, chip_lux=[500.0], frequency_hz=decades(10.0, 4000.0, 5), seed=1
+    )
+    assert response.cutoff_hz == pytest.approx(800.0, rel=0.1)
 
 
 def test_noise_is_told_from_signal_and_keeps_a_cutoff_from_being_given() -> None:
@@ -52,7 +62,7 @@ def test_calibration_counts_thresholds() -> None:
 
 
 def test_the_fit_finds_what_made_a_response() -> None:
-    amplitude = np.linspace(0.0, 1.2 * PEAK_TO_PEAK, 50)
+    amplitude = np.linspace(0.0, 1.2 * LEAST_SWING, 50)
     calibration = Calibration(amplitude, np.maximum(5.0 * amplitude - 0.5, 0.0), 3.0)
     frequency = decades(1.0, 1000.0, 6)
     events = calibration.model(frequency, 0.9, 70.0)

@@ -31,6 +31,9 @@ def test_time_constant_follows_light_to_the_limit() -> None:
     assert time_constant_us(CONFIG, 0.99) == pytest.approx(1591.5, rel=1e-3)
     assert time_constant_us(CONFIG, 1e4) == pytest.approx(53.05, rel=1e-3)
     assert time_constant_us(SensorConfig.ideal(), 1e4) == 1.0
+    assert time_constant_us(SensorConfig(bandwidth_limit_hz=1e-3), 1e4) == 60e6
+    slow = SensorConfig(follower_hz=300.0)
+    assert time_constant_us(slow, 1e4) == pytest.approx(53.05 + 530.5, rel=1e-3)
 
 
 def test_events_are_counted_and_timed_per_pixel() -> None:

@@ -68,6 +68,11 @@ def test_frames_keep_the_fixed_exposure() -> None:
     assert bright / dim == pytest.approx(2.0, rel=0.02)
 
 
+def test_exposures_longer_than_the_usual_period_come_out_too() -> None:
+    config = replace(SensorConfig(), aps=ApsConfig(exposure_us=10_000_000))
+    assert frames(config, chip_lux=0.001, number=3, seed=1).shape[0] == 3
+
+
 def test_section_compares_every_figure() -> None:
     section = measure(SensorConfig(), seed=1)
     assert all(quantity.published is not None for quantity in section.quantities)

@@ -23,3 +23,10 @@ def test_section_of_the_default_sensor() -> None:
     assert period.difference == pytest.approx(0.0, abs=0.1)
     assert shortest.measured is not None
     assert theta.measured is not None
+
+
+def test_a_follower_does_not_hide_the_period() -> None:
+    config = replace(SensorConfig(), refractory_us=40, follower_hz=600.0)
+    found = measure_refractory(config, seed=1)
+    assert found.refractory_us == pytest.approx(40.0, rel=0.05)
+    assert found.theta_on == pytest.approx(0.18, rel=0.1)

@@ -65,6 +65,22 @@ def test_threshold_leak_and_shot_noise_are_recovered(theta_on: float, lux: float
     assert found.shot_on_hz == pytest.approx(SHOT_ON_PER_OFF * shot_off_hz, rel=0.1)
 
 
+@pytest.mark.parametrize("lux", [0.1, 30.0])
+def test_a_static_recording_does_not_depend_on_the_off_threshold(lux: float) -> None:
+    """Nothing can find in it what is not in it; see `test_ramp_fit` for what can."""
+    low, high, other = (
+        recording_of(config, lux=lux, duration_s=20.0)
+        for config in (
+            SensorConfig(theta_off=0.12),
+            SensorConfig(theta_off=0.4),
+            SensorConfig(theta_on=0.19),
+        )
+    )
+    assert low.events.size > 1000
+    assert low.events.tobytes() == high.events.tobytes()
+    assert low.events.tobytes() != other.events.tobytes()
+
+
 def test_in_dim_light_shot_noise_is_all_there_is_to_find() -> None:
     found = fit(recording_of(SensorConfig(), lux=0.1, duration_s=20.0), DRIFT_PER_S)
     assert found.shot_off_hz == pytest.approx(4.2, rel=0.05)

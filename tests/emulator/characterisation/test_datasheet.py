@@ -1,0 +1,51 @@
+"""A sheet of several experiments, on sensors of any kind."""
+
+from dataclasses import replace
+
+import pytest
+
+from emulator import SensorConfig, SensorConfigError, preset
+from emulator.characterisation import EXPERIMENTS, characterise, datasheet
+
+QUICK = ("latency", "dynamic_range", "refractory")
+
+
+def only(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
+    """A few experiments instead of all."""
+    chosen = {name: measure for name, measure in EXPERIMENTS.items() if name in names}
+    monkeypatch.setattr(datasheet, "EXPERIMENTS", chosen)
+
+
+def test_a_sheet_is_of_the_sensor_as_configured(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "s_curve", "refractory", "leak")
+    told: list[tuple[int, int]] = []
+    config = SensorConfig(theta_on=0.3, leak_hz=0.4, refractory_us=20)
+    sheet = characterise(config, seed=2, progress=lambda *done: told.append(done))
+    assert sheet.config == config
+    assert list(sheet.sections) == ["s_curve", "refractory", "leak"]
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    figures = {n: f for section in sheet.sections.values() for n, f in section.figures.items()}
+    assert figures["ON threshold at 1 klux"].measured == pytest.approx(0.3, rel=0.03)
+    assert figures["OFF threshold at 1 klux"].measured == pytest.approx(0.22, rel=0.03)
+    assert figures["leak without light"].measured == pytest.approx(0.4, rel=0.05)
+    assert figures["refractory period"].measured == pytest.approx(20.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        preset("ideal"),
+        SensorConfig(follower_hz=400.0),
+        replace(SensorConfig.noise_free(), bandwidth_hz_per_lux=0.01),
+        SensorConfig(dead_fraction=1.0),
+    ],
+    ids=["ideal", "second order", "slow", "dead"],
+)
+def test_any_sensor_has_one(config: SensorConfig, monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, *QUICK)
+    assert list(characterise(config).sections) == list(QUICK)
+
+
+def test_a_seed_that_is_none_is_refused() -> None:
+    with pytest.raises(SensorConfigError, match="the seed is -1"):
+        characterise(SensorConfig(), seed=-1)
