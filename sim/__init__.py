@@ -8,7 +8,7 @@ from sim.distractors import Distractors, Pavement, VehicleKind, Way
 from sim.errors import RendererError, SceneConfigError, SimError
 from sim.event_truth import EventTruth, event_truth
 from sim.photometric_camera import PhotometricCamera, open_model
-from sim.preview import Preview
+from sim.preview import Preview, preview_jpegs
 from sim.scene_geometry import SceneGeometry
 from sim.trajectory import Profile, Trajectory
 from sim.truth import GroundTruth, ObjectTruth
@@ -42,5 +42,6 @@ __all__ = [
     "event_truth",
     "omega_from_speed",
     "open_model",
+    "preview_jpegs",
     "project",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +12,10 @@ LENS_BLUR_PX = 0.35
 """Deviation of the lens's point spread [sensor px] (assumed; a third of a pixel)."""
 REACH_PX = 1
 """How many pixels beyond its own a pixel sees through the blur: 2.9 deviations."""
+
+INTERPOLATION = 1 / 6
+"""Variance that linear interpolation adds to an image's blur, in squared grid spacings: f (1 − f)
+for a place f of the way between two points, the mean of which is ⅙."""
 
 F32 = npt.NDArray[np.float32]
 
@@ -32,6 +38,11 @@ def aperture_weights(supersample: int, blur_px: float = LENS_BLUR_PX) -> F32:
     spread = np.exp(-0.5 * ((point - own) / deviation) ** 2)
     weights = (spread / spread.sum()).sum(axis=0)
     return np.asarray(weights / weights.sum(), np.float32)
+
+
+def blur_before_interpolation_px(per_pixel: int) -> float:
+    """Deviation of a blur that, interpolated on a grid of so many points a pixel, is the lens's."""
+    return math.sqrt(max(LENS_BLUR_PX**2 - INTERPOLATION / per_pixel**2, 0.0))
 
 
 def to_pixels(fine: F32, supersample: int, blur_px: float = LENS_BLUR_PX) -> F32:

@@ -15,11 +15,12 @@ import tempfile
 import warnings
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
 from sim.errors import SimError
-from sim.light_file import DamagedError, Light, LightWriter, read_light
+from sim.light_file import DamagedError, Light, LightWriter, read_light, unsealed
 
 LIMIT_BYTES = 4_000_000_000
 """A hundred sequences like the paper's, which take 40 MB each (measured); the limit is assumed."""
@@ -27,7 +28,7 @@ LOCK = "flybench.lock"
 _IS_ENTRY = re.compile(r"[0-9a-f]{64}\.light")
 _IS_PART = re.compile(r"[0-9a-f]{64}\.\w+\.part")
 
-Lights = Generator[Light, None, None]
+LightStream = Generator[Light, None, None]
 
 
 class LightCache:
@@ -69,8 +70,8 @@ class LightCache:
         self._warn, self._warned, self._writes = warn, False, True
 
     def light(
-        self, key: str, shape: tuple[int, int], count: int, draw: Callable[[], Lights]
-    ) -> Lights:
+        self, key: str, shape: tuple[int, int], count: int, draw: Callable[[], LightStream]
+    ) -> LightStream:
         """Read a sequence's light, or draw it and keep it.
 
         Args:
@@ -94,7 +95,25 @@ class LightCache:
                 self.drawn += 1
                 yield light
 
-    def _read(self, key: str, shape: tuple[int, int], count: int) -> Lights:
+    def kept(self, key: str, make: Callable[[], bytes]) -> bytes:
+        """Read what goes with a sequence's light, such as pictures of it, or make and keep it.
+
+        Args:
+            key: 64 hexadecimal digits that stand for all that determines it.
+            make: gives it.
+        """
+        with suppress(DamagedError, OSError):
+            path = self._path(key)
+            body = unsealed(path.read_bytes(), key)
+            os.utime(path)
+            return body
+        body = make()
+        part = self._begin(key)
+        if part is not None:
+            self._append(part, lambda: part.writer.seal(body), last=True)
+        return body
+
+    def _read(self, key: str, shape: tuple[int, int], count: int) -> LightStream:
         """Samples from the first to the last before any damage; none without an entry."""
         path = self._path(key)
         try:
@@ -108,13 +127,14 @@ class LightCache:
         except OSError:
             return
 
-    def _keep(self, key: str, count: int, drawn: Lights) -> Lights:
+    def _keep(self, key: str, count: int, drawn: LightStream) -> LightStream:
         """Pass samples on and write them; with the last, the entry takes its place."""
         part = self._begin(key)
         try:
             for number, light in enumerate(drawn, start=1):
                 if part is not None:
-                    part = self._append(part, light, last=number == count)
+                    write = partial(part.writer.write, light)
+                    part = self._append(part, write, last=number == count)
                 yield light
         finally:
             if part is not None:
@@ -132,10 +152,10 @@ class LightCache:
             self._stop(error)
             return None
 
-    def _append(self, part: _Part, light: Light, *, last: bool) -> _Part | None:
-        """Write a sample; gives None once nothing more is to be written."""
+    def _append(self, part: _Part, write: Callable[[], None], *, last: bool) -> _Part | None:
+        """Let a part be written to; gives None once nothing more is to be written."""
         try:
-            part.writer.write(light)
+            write()
             if part.writer.written > self.limit_bytes:
                 part.drop()
                 self._say(self._too_large())

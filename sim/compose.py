@@ -89,14 +89,16 @@ class Surfaces(NamedTuple):
     """How the movers' surfaces looked at the keyframes before and after.
 
     Attributes:
-        light: (n,) float32, cover × luminance of all pieces, flattened [cd/m²].
+        light: (n,) float32, cover × luminance of all pieces, flattened [cd/m²]; of a body that
+            turns in its light, cover × albedo, and then that light, which does not turn with it.
         cover: (n,) float32.
-        pieces: (bodies, 2, 5) int64: start in these, x0, y0 [grid points], width, height; width 0
-            where a body has none.
-        moves: (2 · bodies, 3, 4) float64, two for each body: from the camera's frame now to that
-            at either keyframe.
-        shares: (bodies, 2) float64, the two keyframes' shares, which sum to 1.
-        means: (bodies,) float64, what is taken where no keyframe shows a place [cd/m²].
+        pieces: (2 · parts, 2, 5) int64: start in these, x0, y0 [grid points], width, height; width
+            0 where there is none. The first half are the movers' parts, the second the light on
+            each that turns in it.
+        moves: (4 · parts, 3, 4) float64, two for each of these: from the camera's frame now to
+            that at either keyframe.
+        shares: (2 · parts, 2) float64, the two keyframes' shares, which sum to 1.
+        means: (2 · parts,) float64, what is taken where no keyframe shows a place.
         per_pixel: grid points per pixel and axis.
     """
 
@@ -186,6 +188,8 @@ def _beam_lux(
     if along <= 0.0 or across <= 0.0:
         return 0.0
     square = dx * dx + dy * dy + dz * dz
+    if (along * beams[k, 7]) ** 2 <= beams[k, 8] * beams[k, 8] * square:
+        return 0.0  # outside of the cone, and no need of a root
     distance = math.sqrt(square)
     edge = along / distance * beams[k, 7] + beams[k, 8]
     if edge <= 0.0:
@@ -198,7 +202,7 @@ def _beam_lux(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _surface_light(
+def _looked_up(
     light: F32,
     cover: F32,
     pieces: I64,
@@ -215,19 +219,19 @@ def _surface_light(
     off_u: float,
     off_v: float,
 ) -> float:
-    """Luminance of a body around a pixel's middle, as the keyframes show it [cd/m²].
+    """What the keyframes hold of a body around a pixel's middle.
 
     Args:
         light: as in `Surfaces`, and so the next four.
         cover: likewise.
         pieces: likewise.
-        moves: likewise, but (2 bodies, 3, 4).
+        moves: likewise.
         shares: likewise.
         per_pixel: likewise.
         focal: of the camera [px].
         centre_x: likewise.
         centre_y: likewise.
-        body: which.
+        body: which of the pieces.
         u: where the body is seen, column [px].
         v: row.
         depth: there [m].
@@ -235,7 +239,7 @@ def _surface_light(
         off_v: likewise.
 
     Returns:
-        The luminance; negative where no keyframe shows the place.
+        Luminance, albedo or light; negative where no keyframe shows the place.
     """
     x, y = (u - centre_x) / focal * depth, (v - centre_y) / focal * depth
     total = weight = 0.0
@@ -266,6 +270,55 @@ def _surface_light(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _surface_light(
+    light: F32,
+    cover: F32,
+    pieces: I64,
+    moves: F64,
+    shares: F64,
+    means: F64,
+    per_pixel: int,
+    focal: float,
+    centre_x: float,
+    centre_y: float,
+    body: int,
+    u: float,
+    v: float,
+    depth: float,
+    off_u: float,
+    off_v: float,
+) -> float:
+    """Luminance of a body around a pixel's middle, from the keyframes [cd/m²].
+
+    Args as those of `_looked_up`, and `means` as in `Surfaces`.
+    """
+    value = 1.0
+    for part in range(2):
+        what = body + part * (len(means) // 2)
+        if part == 1 and pieces[what, 0, 3] + pieces[what, 1, 3] == 0:
+            break
+        here = _looked_up(
+            light,
+            cover,
+            pieces,
+            moves,
+            shares,
+            per_pixel,
+            focal,
+            centre_x,
+            centre_y,
+            what,
+            u,
+            v,
+            depth,
+            off_u,
+            off_v,
+        )
+        value *= means[what] if here < 0.0 else here
+    return value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _pixel_codes(label: I32, size: int) -> I32:
     """(height, width) the body that each pixel shows, -1 for none, `EDGE` for several things."""
     code = np.empty((label.shape[0] // size, label.shape[1] // size), np.int32)
@@ -292,37 +345,34 @@ def _shade_middles(
         eye: the camera's.
         window: x0, y0, x1, y1 [px].
         depth: (height, width) of the street [m].
-        code: (height, width) the body that a pixel shows; below 0, each shadow doubles −1 − code
-            and adds 1 where it is complete; `EDGE` where it is partial.
+        code: (height, width) the body that a pixel shows; below 0, each shadow has a bit of
+            −1 − code, set where it is complete; `EDGE` where one is partial.
         lit: (height, width) float32, which share of the light comes through; multiplied.
     """
     focal, centre_x, centre_y = eye
     maps, sizes, parallel, view = lights.maps, lights.sizes, lights.parallel, lights.views[shadow]
     u_right, v_right, w_right = view[0, 0] / focal, view[1, 0] / focal, view[2, 0] / focal
-    x0, y0, _, _ = window
-    first_row, last_row = max(lights.reach[shadow, 1] - y0, 0), lights.reach[shadow, 3] - y0
-    first, last = max(lights.reach[shadow, 0] - x0, 0), lights.reach[shadow, 2] - x0
-    for row in range(code.shape[0]):
+    x0, y0, x1, y1 = window
+    reach = lights.reach[shadow]
+    for row in range(max(reach[1], y0) - y0, min(reach[3], y1) - y0):
         below = (y0 + row + 0.5 - centre_y) / focal
         u_row = view[0, 1] * below + view[0, 2]
         v_row = view[1, 1] * below + view[1, 2]
         w_row = view[2, 1] * below + view[2, 2]
-        inside = first_row <= row < last_row
-        for column in range(code.shape[1]):
+        for column in range(max(reach[0], x0) - x0, min(reach[2], x1) - x0):
             what = code[row, column]
             if what >= 0:
                 continue
-            share = 1.0
-            if inside and first <= column < last:
-                z, right = depth[row, column], x0 + column + 0.5 - centre_x
-                u = z * (u_right * right + u_row) + view[0, 3]
-                v = z * (v_right * right + v_row) + view[1, 3]
-                w = z * (w_right * right + w_row) + view[2, 3]
-                share = _lit(maps, sizes, parallel, shadow, u, v, w)
-                lit[row, column] *= share
+            z, right = depth[row, column], x0 + column + 0.5 - centre_x
+            u = z * (u_right * right + u_row) + view[0, 3]
+            v = z * (v_right * right + v_row) + view[1, 3]
+            w = z * (w_right * right + w_row) + view[2, 3]
+            share = _lit(maps, sizes, parallel, shadow, u, v, w)
+            if share >= 1.0:
+                continue
+            lit[row, column] *= share
             if what != EDGE:
-                dark = 2 * (-1 - what) + (share == 0.0)
-                code[row, column] = EDGE if 0.0 < share < 1.0 else -1 - dark
+                code[row, column] = EDGE if share > 0.0 else what - (1 << shadow)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -376,24 +426,48 @@ def _beam_middles(
 def _mark_edges(code: I32, lux: F32) -> Bools:
     """Which pixels are to be weighed point by point: they, or neighbours, show several things."""
     height, width = code.shape
-    marked = np.zeros(code.shape, np.bool_)
+    mixed = np.empty(code.shape, np.bool_)  # a pixel and those left and right of it
     for row in range(height):
         for column in range(width):
+            left, right = max(column - 1, 0), min(column + 1, width - 1)
+            what, dark = code[row, column], lux[row, column] + lux[row, left] + lux[row, right]
+            alike = code[row, left] == what and code[row, right] == what and what != EDGE
+            mixed[row, column] = not alike or dark > 0.0
+    marked = np.empty(code.shape, np.bool_)
+    for row in range(height):
+        above, below = max(row - 1, 0), min(row + 1, height - 1)
+        for column in range(width):
             what = code[row, column]
-            mixed = what == EDGE or lux[row, column] > 0.0
-            for i in range(max(row - 1, 0), min(row + 2, height)):
-                for j in range(max(column - 1, 0), min(column + 2, width)):
-                    mixed |= code[i, j] != what or lux[i, j] > 0.0
-            marked[row, column] = mixed
+            marked[row, column] = (
+                mixed[row, column]
+                or mixed[above, column]
+                or mixed[below, column]
+                or code[above, column] != what
+                or code[below, column] != what
+            )
     return marked
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _near_any(marked: Bools | F32, row: int, column: int) -> bool:
-    """Whether a pixel or a neighbour is marked, or above 0."""
-    for i in range(max(row - 1, 0), min(row + 2, marked.shape[0])):
-        for j in range(max(column - 1, 0), min(column + 2, marked.shape[1])):
-            if marked[i, j] > 0:
+def _grown(marked: Bools) -> Bools:
+    """Which pixels are marked, or have a neighbour that is."""
+    height, width = marked.shape
+    grown = np.zeros(marked.shape, np.bool_)
+    for row in range(height):
+        for column in range(width):
+            if marked[row, column]:
+                for i in range(max(row - 1, 0), min(row + 2, height)):
+                    for j in range(max(column - 1, 0), min(column + 2, width)):
+                        grown[i, j] = True
+    return grown
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _near_any(lux: F32, row: int, column: int) -> bool:
+    """Whether a pixel or a neighbour is above 0."""
+    for i in range(max(row - 1, 0), min(row + 2, lux.shape[0])):
+        for j in range(max(column - 1, 0), min(column + 2, lux.shape[1])):
+            if lux[i, j] > 0:
                 return True
     return False
 
@@ -429,11 +503,12 @@ def _light_points(
     x0, y0, _, _ = window
     count, height, width = lit.shape
     points = np.empty(label.shape, np.float32)
+    near = _grown(marked)
     even = np.empty(count, np.bool_)
     share = np.empty(count)
     for row in range(height):
         for column in range(width):
-            if not _near_any(marked, row, column):
+            if not near[row, column]:
                 continue
             uneven = False
             for light in range(count):
@@ -450,9 +525,11 @@ def _light_points(
                     if label[i, j] >= 0:
                         continue
                     v, u = y0 * size + i, x0 * size + j
-                    z = 1.0 / nearness[v, u]
-                    x = ((u + 0.5) / size - centre_x) / focal * z
-                    y = ((v + 0.5) / size - centre_y) / focal * z
+                    x = y = z = 0.0
+                    if uneven or in_beam:
+                        z = 1.0 / nearness[v, u]
+                        x = ((u + 0.5) / size - centre_x) / focal * z
+                        y = ((v + 0.5) / size - centre_y) / focal * z
                     if uneven:
                         for light in range(count):
                             if not even[light]:
@@ -512,6 +589,7 @@ def _draw_plain(
                     pieces,
                     moves,
                     shares,
+                    means,
                     per_pixel,
                     focal,
                     centre_x,
@@ -523,7 +601,6 @@ def _draw_plain(
                     off,
                     off,
                 )
-                value = means[body] if value < 0.0 else value
             image[v, u] = value
 
 
@@ -583,6 +660,7 @@ def _draw_edges(
                     pieces,
                     moves,
                     shares,
+                    means,
                     per_pixel,
                     focal,
                     centre_x,
@@ -594,7 +672,7 @@ def _draw_edges(
                     u - (x0 + column + 0.5),
                     v - (y0 + row + 0.5),
                 )
-                value += covers[body] * (means[body] if seen < 0.0 else seen)
+                value += covers[body] * seen
                 covers[body], nearest[body] = 0.0, np.inf
             image[y0 + row, x0 + column] = value / whole
 

@@ -12,25 +12,27 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.cache import LightCache, Lights
+from sim.cache import LightCache, LightStream
 from sim.camera import Intrinsics
 from sim.config import CrossingConfig, Direction
 from sim.errors import SceneConfigError
 from sim.light_file import Light
 from sim.light_key import light_key
 from sim.mains import Mains
+from sim.memory import give_back_large
 from sim.moving_light import LightReach
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.reprojection import Drawn, Reprojection, rest_lens
 from sim.sampling import sample_times_us
 from sim.scene import Scene, build_scene
+from sim.scene_geometry import RATE_STEP_S
 from sim.truth import GroundTruth
-from sim.visible import Visible
 from sim.windows import Window, hull, points_window, whole
 from sim.witness import Witness
 
 BEAM_STEP = 4
-"""The beams alone have no edge sharper than some pixels, so they may move farther in a step."""
+"""The beams alone have no edge sharper than some pixels, so they may move farther in a step
+(assumed)."""
 FLICKER_STEPS = 20
 """Samples in a period of lamps that flicker (assumed)."""
 
@@ -73,6 +75,7 @@ class Crossing:
         Raises:
             SceneConfigError: the lead time asks for more than the profile can give.
         """
+        give_back_large()
         self.config, self.cache = config, cache
         self.intrinsics = intrinsics or Intrinsics()
         self.scene: Scene = build_scene(config)
@@ -80,7 +83,9 @@ class Crossing:
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())
         self._start_s = self.trajectory.time_at_s(-reach_m) - config.lead_s
         self._end_s = self.trajectory.time_at_s(reach_m) + config.lead_s
-        self.trajectory.position_m(self._start_s)
+        spare_s = config.max_step_ms * 1e-3 + RATE_STEP_S  # asked about, beyond the ends
+        for t_s in (self._start_s - spare_s, self._end_s + spare_s):
+            self.trajectory.position_m(t_s)
         self._data = mujoco.MjData(self.scene.model)
         self.scene.place(self._data, 0.0)
         self._reach = LightReach(
@@ -135,10 +140,8 @@ class Crossing:
                 "more; allowed is at least one, each later than the one before; sort them"
             )
         witness = Witness(self.scene, self.intrinsics)
-        unknown = np.zeros((self.intrinsics.height, self.intrinsics.width), np.float32)
         for light in self._kept_light(times):
-            visible = Visible(light.body, unknown)
-            truth = witness.at(light.t_us, self.seconds(light.t_us), visible)
+            truth = witness.at(light.t_us, self.seconds(light.t_us), light.body)
             yield Sample(light.t_us, light.luminance, truth, light.changed)
 
     def _kept_light(self, times_us: Sequence[int]) -> Iterator[Light]:
@@ -152,7 +155,7 @@ class Crossing:
             lambda: self._light(times_us),
         )
 
-    def _light(self, times_us: Sequence[int]) -> Lights:
+    def _light(self, times_us: Sequence[int]) -> LightStream:
         with self.from_keyframes(times_us) as draw:
             before = [whole(self.intrinsics)]
             for t_us in times_us:
@@ -166,8 +169,8 @@ class Crossing:
         """Give a function that draws samples from keyframes, at times that may not go back [µs].
 
         Args:
-            times_us: of the whole sequence, on which the keyframes are planned [µs]; the function
-                takes any of them.
+            times_us: increasing; the keyframes are planned on them, and the function takes any time
+                from the first to the last [µs].
 
         Raises:
             RendererError: this machine cannot render.
@@ -189,21 +192,24 @@ class Crossing:
             yield drawing.draw
 
     @contextmanager
-    def full_frames(self, supersample: int | None = None) -> Iterator[Callable[[int], Luminance]]:
-        """Give a function that draws the whole image at a time [µs], nothing taken over.
+    def full_frames(
+        self, supersample: int | None = None, window: Window | None = None
+    ) -> Iterator[Callable[[int], Luminance]]:
+        """Give a function that draws the image at a time [µs], nothing taken over.
 
         What `samples` is held against. Unlike them it draws the street anew too, whose shadows'
         edges the renderer moves by a fraction of a pixel with the vehicle.
 
         Args:
             supersample: rendered pixels per sensor pixel and axis; the configuration's if None.
+            window: which pixels; all if None.
 
         Raises:
             RendererError: this machine cannot render.
         """
         scene, model = self.scene, luminance_model(self.scene.model)
         mains = Mains(scene.mains_lights, scene.mains_materials)
-        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        pixels = window or whole(self.intrinsics)
         size = supersample or self.config.supersample
         with FilamentRenderer(model, self.intrinsics) as renderer:
             data = mujoco.MjData(model)
@@ -213,7 +219,7 @@ class Crossing:
                 scene.place(data, t_s)
                 with mains.scaled(model, scene.mains_factor(t_s)):
                     renderer.update(data)
-                    return renderer.luminance(scene.pose_at(t_s), whole, supersample=size)
+                    return renderer.luminance(scene.pose_at(t_s), pixels, supersample=size)
 
             yield draw
 

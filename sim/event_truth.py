@@ -28,12 +28,13 @@ WITHIN_PX = 0.5
 """How far the fastest thing may be from where it is taken to be [px]: half a pixel, less than the
 pixel's own reach (assumed)."""
 LONGEST_US = 1_000
-"""Longest span for which geometry is drawn once [µs]."""
+"""Longest span for which geometry is drawn once [µs] (assumed)."""
 SHORTEST_US = 20
 """Shortest likewise (assumed)."""
 MEMORY_US = 1_000
 """How long after an object has left a pixel the sensor may still answer to it [µs] (assumed)."""
 NEVER = -(1 << 62)
+"""A time before all others [µs]."""
 
 F32 = npt.NDArray[np.float32]
 I8 = npt.NDArray[np.int8]

@@ -1,4 +1,7 @@
-"""How a house looks: walls, windows and doors, each drawn at random from what streets have."""
+"""How a house looks: walls, windows and doors, each drawn at random from what streets have.
+
+Colours are linear reflectances; they, the sizes and the chances are assumed.
+"""
 
 from __future__ import annotations
 

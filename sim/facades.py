@@ -1,4 +1,8 @@
-"""Houses along the far side of the street, drawn from a seed: no two alike."""
+"""Houses along the far side of the street, drawn from a seed: no two alike.
+
+Sizes are in metres and, like the chances of what is drawn, assumed: two- and three-storeyed houses
+of a European town.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +32,9 @@ from sim.facade_style import (
 )
 
 FRONT_M = 10.5
-"""The façades' plane, in the world's y."""
+"""The façades' plane, in the world's y (assumed)."""
 PAVEMENT_M = 0.12
-"""The far pavement's surface, over the road."""
+"""The far pavement's surface, over the road, as `street.xml` has it."""
 STREET_END_M = 27.0
 """Houses stand from here to there, so that a lens of 100° still sees no end (assumed)."""
 _BOX = mujoco.mjtGeom.mjGEOM_BOX

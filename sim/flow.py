@@ -40,7 +40,7 @@ def flow_px_s(visible: Visible, twists: F64, lens: Intrinsics) -> F32:
     Returns:
         (height, width, 2) float32, x and y [px/s].
     """
-    return np.asarray(_flow(visible.body, visible.nearness, twists, *_eye(lens)))
+    return np.asarray(_over_image(visible.body, visible.nearness, twists, *_eye(lens), True))
 
 
 def displacement_px(visible: Visible, moves: F64, lens: Intrinsics) -> F32:
@@ -56,7 +56,7 @@ def displacement_px(visible: Visible, moves: F64, lens: Intrinsics) -> F32:
         (height, width, 2) float32, x and y [px]; it may lead out of the image, or to where
         something else is in front; not a number where it leads behind the camera.
     """
-    return np.asarray(_displacement(visible.body, visible.nearness, moves, *_eye(lens)))
+    return np.asarray(_over_image(visible.body, visible.nearness, moves, *_eye(lens), False))
 
 
 def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
@@ -103,26 +103,26 @@ def _applied(moves: F64, k: int, x: float, y: float, near: float) -> tuple[float
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _flow(
-    body: I32, nearness: F32, twists: F64, focal: float, centre_x: float, centre_y: float
+def _over_image(
+    body: I32,
+    nearness: F32,
+    moves: F64,
+    focal: float,
+    centre_x: float,
+    centre_y: float,
+    rates: bool,
 ) -> F32:
-    height, width = body.shape
-    out = np.empty((height, width, 2), np.float32)
-    for row in range(height):
-        y = (row + 0.5 - centre_y) / focal
-        for column in range(width):
-            x = (column + 0.5 - centre_x) / focal
-            k = max(body[row, column], 0)  # the sky turns as the world does
-            a, b, c = _applied(twists, k, x, y, nearness[row, column])
-            out[row, column, 0] = focal * (a - x * c)
-            out[row, column, 1] = focal * (b - y * c)
-    return out
+    """What each pixel's body does to it: (height, width, 2), x and y.
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _displacement(
-    body: I32, nearness: F32, moves: F64, focal: float, centre_x: float, centre_y: float
-) -> F32:
+    Args:
+        body: (height, width), the sky below 0: it turns as the world does.
+        nearness: (height, width) [1/m].
+        moves: (bodies, 3, 4) from places to velocities, or to where they go.
+        focal: of the camera [px].
+        centre_x: where its axis meets the image [px].
+        centre_y: likewise.
+        rates: whether `moves` gives velocities.
+    """
     height, width = body.shape
     out = np.empty((height, width, 2), np.float32)
     for row in range(height):
@@ -131,6 +131,10 @@ def _displacement(
             x = (column + 0.5 - centre_x) / focal
             k = max(body[row, column], 0)
             a, b, c = _applied(moves, k, x, y, nearness[row, column])
-            out[row, column, 0] = focal * (a / c - x) if c > 0.0 else np.nan
-            out[row, column, 1] = focal * (b / c - y) if c > 0.0 else np.nan
+            if rates:
+                out[row, column, 0] = focal * (a - x * c)
+                out[row, column, 1] = focal * (b - y * c)
+            else:
+                out[row, column, 0] = focal * (a / c - x) if c > 0.0 else np.nan
+                out[row, column, 1] = focal * (b / c - y) if c > 0.0 else np.nan
     return out

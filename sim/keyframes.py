@@ -1,13 +1,15 @@
 """Keyframes: how surfaces look at few times, kept body by body to be moved to all others.
 
 An object gets a keyframe each time it has moved a set distance in the image. In between, its
-surfaces are looked up in the keyframes before and after, each with its share.
+surfaces are looked up in the keyframes before and after, each with its share. A wheel turns far in
+that time, while the light on it stays: so its albedo is looked up where the wheel was, the light
+where the place on the vehicle was.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -24,14 +26,16 @@ I32 = npt.NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One body of an object at a keyframe.
+    """One part of an object at a keyframe: a body, or a lamp on it.
 
     Attributes:
         x0: column of the first grid point.
         y0: row likewise.
         light: (parts, rows, columns) float32, share of the pixel around a grid point that shows
             the body, times its luminance [cd/m²]: the steady part, and what the mains' lamps add.
-        cover: (rows, columns) float32, that share.
+            Of a body that turns in its light, the albedo instead of the luminance, and no second
+            part; of the light on it, luminance over albedo.
+        cover: (rows, columns) float32, that share; 1 of the light.
         view: (3, 4) from the body's frame to the camera's.
     """
 
@@ -48,11 +52,13 @@ class Keyframe:
 
     Attributes:
         t_us: when [µs].
-        pieces: by the body's number; those that are seen.
+        pieces: by the part's number; those that are seen.
+        glows: by the part's number, the light on those that turn in it; views are the root's.
     """
 
     t_us: int
     pieces: dict[int, Piece]
+    glows: dict[int, Piece] = field(default_factory=dict)
 
 
 class KeyframeStore:
@@ -64,7 +70,7 @@ class KeyframeStore:
         objects: tuple[MovingObject, ...],
         draw: Callable[[MovingObject, int], Keyframe],
         *,
-        bodies: int,
+        carriers: I32,
         per_pixel: int,
     ) -> None:
         """Start empty.
@@ -73,11 +79,11 @@ class KeyframeStore:
             plan: times of the keyframes [µs] by the object's name; see `keyframe_times`.
             objects: what moves.
             draw: makes an object's keyframe at a time.
-            bodies: how many the model has.
+            carriers: (parts,) number of the body that each part moves with.
             per_pixel: grid points that pieces have per pixel and axis.
         """
         self._plan, self._objects, self._draw = plan, objects, draw
-        self._bodies, self._per_pixel = bodies, per_pixel
+        self._carriers, self._per_pixel = carriers, per_pixel
         self._keys: dict[str, list[Keyframe]] = {o.name: [] for o in objects}
         self._packed: Surfaces | None = None
         self._mains: F32 | None = None
@@ -113,25 +119,33 @@ class KeyframeStore:
             keys = self._keys[obj.name]
             shares = _shares([key.t_us for key in keys], t_us)
             for k, (key, share) in enumerate(zip(keys, shares, strict=True)):
-                for body, piece in key.pieces.items():
-                    packed.shares[body, k] = share
-                    packed.moves[2 * body + k] = followed_by(undone(views[body]), piece.view)
+                for row, body, piece in self._rows(key, obj.root):
+                    packed.shares[row, k] = share
+                    packed.moves[2 * row + k] = followed_by(undone(views[body]), piece.view)
         return packed
+
+    def _rows(self, key: Keyframe, root: int) -> Iterator[tuple[int, int, Piece]]:
+        """Row in `Surfaces`, number of the body that carries it, and piece."""
+        for part, piece in key.pieces.items():
+            yield part, int(self._carriers[part]), piece
+        for part, piece in key.glows.items():
+            yield len(self._carriers) + part, root, piece
 
     def _pack(self) -> Surfaces:
         """Lay all pieces end to end."""
         lights: list[F32] = []
         covers = [np.empty(0, np.float32)]
-        pieces, means = np.zeros((self._bodies, 2, 5), np.int64), np.zeros(self._bodies)
+        count = 2 * len(self._carriers)
+        pieces, means = np.zeros((count, 2, 5), np.int64), np.zeros(count)
         start = 0
         for obj in self._objects:
             for k, key in enumerate(self._keys[obj.name]):
-                for body, piece in key.pieces.items():
+                for row, _, piece in self._rows(key, obj.root):
                     rows, columns = piece.cover.shape
-                    pieces[body, k] = start, piece.x0, piece.y0, columns, rows
+                    pieces[row, k] = start, piece.x0, piece.y0, columns, rows
                     lights.append(piece.light.reshape(len(piece.light), -1))
                     covers.append(piece.cover.ravel())
-                    means[body] = piece.light.sum() / piece.cover.sum()
+                    means[row] = piece.light.sum() / piece.cover.sum()
                     start += piece.cover.size
         parts = np.concatenate(lights, axis=1) if lights else np.empty((1, 0), np.float32)
         self._steady, self._mains = (parts[0], parts[1]) if len(parts) == 2 else (None, None)
@@ -139,8 +153,8 @@ class KeyframeStore:
             light=parts[0].copy(),
             cover=np.concatenate(covers),
             pieces=pieces,
-            moves=np.zeros((2 * self._bodies, 3, 4)),
-            shares=np.zeros((self._bodies, 2)),
+            moves=np.zeros((2 * count, 3, 4)),
+            shares=np.zeros((count, 2)),
             means=means,
             per_pixel=self._per_pixel,
         )

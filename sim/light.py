@@ -37,6 +37,7 @@ SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
 """Luminance of the lenses as seen from the side (assumed)."""
 OFF_EMISSION = 1e-12
+"""Of what does not glow, where the renderer takes 0 as none given."""
 TAIL_LAMP_RGB = (1.0, 0.1, 0.05)
 """Linear colour of the tail lamps' emissive texture."""
 

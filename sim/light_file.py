@@ -88,6 +88,28 @@ class LightWriter:
         self._file.write(record)
         self.written += len(record)
 
+    def seal(self, body: bytes) -> None:
+        """Write something else that goes with light, as the only thing in its file.
+
+        Raises:
+            OSError: the file cannot take it.
+        """
+        self._check = zlib.crc32(body, self._check)
+        self.written += self._file.write(_CHECK.pack(self._check) + body)
+
+
+def unsealed(content: bytes, key: str) -> bytes:
+    """What `LightWriter.seal` wrote, from the whole content of its file.
+
+    Raises:
+        DamagedError: the file is not what was written.
+    """
+    body = content[_CHECK.size :]
+    check = zlib.crc32(body, zlib.crc32(key.encode()))
+    if content[: _CHECK.size] != _CHECK.pack(check):
+        raise DamagedError
+    return body
+
 
 def read_light(file: BinaryIO, key: str, shape: tuple[int, int], count: int) -> Iterator[Light]:
     """Read a file that `LightWriter` wrote.

@@ -57,3 +57,8 @@ def changed_lights(model: mujoco.MjModel, intensities: dict[int, float]) -> Iter
         yield
     finally:
         model.light_intensity[:] = before
+
+
+def sky_lights(model: mujoco.MjModel) -> Numbers:
+    """(n,) numbers of the lights that come from all around."""
+    return np.flatnonzero(model.light_type == mujoco.mjtLightType.mjLIGHT_IMAGE)

@@ -7,21 +7,24 @@ import math
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from sim.camera import Pose
 
 F64 = npt.NDArray[np.float64]
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
 def axes_along(direction: F64) -> F64:
     """(3, 3) rows right, down and forward of a frame that looks along a unit vector."""
-    x, y, z = (float(part) for part in direction)
+    x, y, z = direction[0], direction[1], direction[2]
     if abs(z) < 0.9:  # right is level
-        right = np.array([y, -x, 0.0]) / math.hypot(x, y)
+        long = math.hypot(x, y)
+        a, b, c = y / long, -x / long, 0.0
     else:
-        right = np.array([0.0, z, -y]) / math.hypot(y, z)
-    a, b, c = (float(part) for part in right)
-    return np.array([right, [y * c - z * b, z * a - x * c, x * b - y * a], [x, y, z]])
+        long = math.hypot(y, z)
+        a, b, c = 0.0, z / long, -y / long
+    return np.array([[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a], [x, y, z]])
 
 
 def into_frame(axes: F64, place_m: F64) -> F64:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -40,8 +41,12 @@ class MovingObject:
 
     def corners_m(self, data: mujoco.MjData) -> F64:
         """(8, 3) world corners of its box, the kinematics of `data` up to date."""
-        corners = box_corners_m(self.box_m)
-        return np.asarray(corners @ data.xmat[self.root].reshape(3, 3).T + data.xpos[self.root])
+        turned = self._corners_m @ data.xmat[self.root].reshape(3, 3).T
+        return np.asarray(turned + data.xpos[self.root])
+
+    @cached_property
+    def _corners_m(self) -> F64:
+        return box_corners_m(self.box_m)
 
 
 def moving_object(

@@ -10,9 +10,9 @@ colorspace is sRGB.
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 
 import mujoco
 import numpy as np
@@ -22,7 +22,7 @@ from sim import flow
 from sim.camera import Pose
 from sim.errors import RendererError, SceneConfigError
 from sim.model_camera import camera_intrinsics, camera_number
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.renderer import FilamentRenderer, Luminance, luminance_model
 from sim.scene_geometry import RATE_STEP_S
 from sim.triangles import Soup, triangle_soup
@@ -34,7 +34,7 @@ F64 = npt.NDArray[np.float64]
 A_LIGHT = '<light type="directional" dir="0 0 -1" diffuse="1 1 1" intensity="1000"/>'
 
 
-class PhotometricCamera:
+class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
     """A camera of a MuJoCo model that reads luminance; use as a context manager.
 
     What `data` says of positions and velocities is read, and nothing in it is changed. Surfaces
@@ -80,15 +80,7 @@ class PhotometricCamera:
             luminance_model(model), self.intrinsics
         )
 
-    def __enter__(self) -> PhotometricCamera:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -150,7 +142,7 @@ class PhotometricCamera:
     def _views(self, data: mujoco.MjData, ahead_s: float) -> F64:
         """(bodies, 3, 4) from each body's frame into the camera's, a little later."""
         self._take(data, ahead_s)
-        return followed_by(body_poses(self._data), into_camera(self._pose()))
+        return followed_by(body_poses(self._data), self._pose().into)
 
     def _take(self, data: mujoco.MjData, ahead_s: float = 0.0) -> None:
         """Work out where everything is; after `mj_step`, `data` itself is one step late."""

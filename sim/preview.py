@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import copy
+import hashlib
+import struct
+from collections.abc import Iterable, Iterator, Sequence
 from types import TracebackType
 
+import cv2
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -12,12 +16,18 @@ import numpy.typing as npt
 from sim.crossing import Crossing
 from sim.facade_style import LIT_WINDOW
 from sim.light import SKY_TEXTURE
+from sim.light_key import light_key
 from sim.renderer import FilamentRenderer
 from sim.scene import Scene
 
 PREVIEW_LUX = 60_000.0
 """What the preview's eye is adapted to (by eye)."""
 PREVIEW_SKY_RGB = (170, 205, 255)
+PREVIEW_SCALE = 1.5
+"""Points per sensor pixel and axis: 519×390, about what a quarter of a wide screen shows."""
+JPEG_QUALITY = 85
+"""Of a picture that is for the eye only (by eye)."""
+_LENGTH = struct.Struct("<I")
 
 
 class Preview:
@@ -45,7 +55,7 @@ class Preview:
     ) -> None:
         self._renderer.close()
 
-    def draw(self, t_us: int, *, scale: int = 2) -> npt.NDArray[np.uint8]:
+    def draw(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> npt.NDArray[np.uint8]:
         """The street at a time [µs]: (height·scale, width·scale, 3) uint8 sRGB."""
         scene, t_s = self._crossing.scene, self._crossing.seconds(t_us)
         scene.place(self._data, t_s)
@@ -64,3 +74,46 @@ def preview_model(scene: Scene) -> mujoco.MjModel:
     sky = int(model.tex_adr[model.texture(SKY_TEXTURE).id])
     model.tex_data[sky:].reshape(-1, 3)[:] = PREVIEW_SKY_RGB
     return model
+
+
+def preview_jpegs(crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
+    """A colour picture at each time, as JPEG; kept in the crossing's cache where it has one.
+
+    Args:
+        crossing: what to show.
+        times_us: when, in any order [µs].
+
+    Raises:
+        RendererError: this machine cannot render, and they are not kept.
+    """
+
+    def draw() -> bytes:
+        return _joined(_drawn(crossing, times_us))
+
+    if crossing.cache is None:
+        return list(_drawn(crossing, times_us))
+    light = light_key(crossing.config, crossing.scene.model, crossing.intrinsics, times_us)
+    key = hashlib.sha256(f"previews of {light}".encode()).hexdigest()
+    return _parted(crossing.cache.kept(key, draw))
+
+
+def _drawn(crossing: Crossing, times_us: Sequence[int]) -> Iterator[bytes]:
+    with Preview(crossing) as preview:
+        for t_us in times_us:
+            bgr = cv2.cvtColor(preview.draw(t_us), cv2.COLOR_RGB2BGR)
+            yield cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+
+
+def _joined(parts: Iterable[bytes]) -> bytes:
+    """Each after its length."""
+    return b"".join(_LENGTH.pack(len(part)) + part for part in parts)
+
+
+def _parted(joined: bytes) -> list[bytes]:
+    """What `_joined` joined."""
+    parts, at = [], 0
+    while at < len(joined):
+        start = at + _LENGTH.size
+        at = start + _LENGTH.unpack_from(joined, at)[0]
+        parts.append(joined[start:at])
+    return parts

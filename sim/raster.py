@@ -15,6 +15,7 @@ from numba import njit
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
+Bools = npt.NDArray[np.bool_]
 
 NOTHING = -1
 """What a buffer shows where no triangle is."""
@@ -89,6 +90,60 @@ def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
     return size
 
 
+Six = tuple[float, float, float, float, float, float]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _from_top(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> Six:
+    """A triangle's corners from top to bottom.
+
+    Two triangles that share an edge so reckon it alike; else cracks would open between them.
+    """
+    if by < ay:
+        ax, ay, bx, by = bx, by, ax, ay
+    if cy < ay:
+        ax, ay, cx, cy = cx, cy, ax, ay
+    if cy < by:
+        bx, by, cx, cy = cx, cy, bx, by
+    return ax, ay, bx, by, cx, cy
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _slopes(
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float
+) -> tuple[float, float, float]:
+    """Columns a row of the edges from top to bottom, from top to middle, from there to bottom."""
+    return (cx - ax) / (cy - ay), (bx - ax) / (by - ay), (cx - bx) / (cy - by)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _crossings(
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    whole: float,
+    upper: float,
+    lower: float,
+    y: float,
+) -> tuple[float, float]:
+    """Where a row enters a triangle and leaves it.
+
+    Args:
+        ax: of its topmost corner.
+        ay: likewise.
+        bx: of its middle one.
+        by: likewise.
+        whole: as `_slopes` has them, and so the next two.
+        upper: likewise.
+        lower: likewise.
+        y: of the row, between the topmost corner and the lowest.
+    """
+    one = ax + (y - ay) * whole
+    other = ax + (y - ay) * upper if y < by else bx + (y - by) * lower
+    return min(one, other), max(one, other)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def rasterise(
     triangles: F64, labels: I32, x0: int, y0: int, nearness: F32, label: I32, one_sided: bool
@@ -116,31 +171,67 @@ def rasterise(
         area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
         if area == 0.0 or (one_sided and area > 0.0):
             continue
-        slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
-        slope_y = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area
         first = max(math.ceil(min(ay, by, cy) - 0.5 - y0), 0)
         last = min(math.ceil(max(ay, by, cy) - 0.5 - y0), height)
+        if first >= last:
+            continue
+        slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
+        slope_y = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area
+        what, start_x, start_y = labels[t], ax, ay
+        ax, ay, bx, by, cx, cy = _from_top(ax, ay, bx, by, cx, cy)
+        whole, upper, lower = _slopes(ax, ay, bx, by, cx, cy)
         for row in range(first, last):
             y = row + y0 + 0.5
-            low, high = math.inf, -math.inf
-            for edge in range(3):
-                ux, uy = triangles[t, edge, 0], triangles[t, edge, 1]
-                vx, vy = triangles[t, (edge + 1) % 3, 0], triangles[t, (edge + 1) % 3, 1]
-                if (uy <= y) != (vy <= y):
-                    if vy < uy:  # from the top, whichever triangle's edge: or cracks open
-                        ux, uy, vx, vy = vx, vy, ux, uy
-                    x = ux + (vx - ux) * (y - uy) / (vy - uy)
-                    low, high = min(low, x), max(high, x)
-            if low > high:
-                continue
+            low, high = _crossings(ax, ay, bx, by, whole, upper, lower, y)
             start = max(math.ceil(low - 0.5 - x0), 0)
             stop = min(math.ceil(high - 0.5 - x0), width)
-            near = az + slope_x * (start + x0 + 0.5 - ax) + slope_y * (y - ay)
+            near = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
             for column in range(start, stop):
                 if near > nearness[row, column]:
                     nearness[row, column] = near
-                    label[row, column] = labels[t]
+                    label[row, column] = what
                 near += slope_x
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: Bools) -> int:
+    """Mark the grid points inside of triangles that face the eye, in place.
+
+    Grid point (i, j) lies at (x0 + i · stride, y0 + j · stride).
+
+    Args:
+        flat: (n, 2) corners; triangles with one that is not a number are left out.
+        faces: (m, 3) triangles, anticlockwise as seen from outside.
+        x0: column of the first grid point.
+        y0: its row.
+        stride: from one to the next.
+        covered: (height, width), set to true.
+
+    Returns:
+        How many points are newly marked.
+    """
+    height, width = covered.shape
+    count = 0
+    for k in range(len(faces)):
+        a, b, c = faces[k, 0], faces[k, 1], faces[k, 2]
+        ax, ay, bx, by = flat[a, 0], flat[a, 1], flat[b, 0], flat[b, 1]
+        cx, cy = flat[c, 0], flat[c, 1]
+        if not (bx - ax) * (cy - ay) - (cx - ax) * (by - ay) < 0.0:
+            continue
+        first = max(math.ceil((min(ay, by, cy) - y0) / stride), 0)
+        last = min(math.ceil((max(ay, by, cy) - y0) / stride), height)
+        if first >= last:
+            continue
+        ax, ay, bx, by, cx, cy = _from_top(ax, ay, bx, by, cx, cy)
+        whole, upper, lower = _slopes(ax, ay, bx, by, cx, cy)
+        for row in range(first, last):
+            y = y0 + row * stride
+            low, high = _crossings(ax, ay, bx, by, whole, upper, lower, y)
+            start = max(math.ceil((low - x0) / stride), 0)
+            for column in range(start, min(math.ceil((high - x0) / stride), width)):
+                count += not covered[row, column]
+                covered[row, column] = True
+    return count
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -121,18 +121,22 @@ class FilamentRenderer:
         inner = pixels[y : y + window[3] - window[1], x : x + window[2] - window[0]]
         return np.ascontiguousarray(inner)
 
-    def fine(self, pose: Pose, window: Window, supersample: int) -> Luminance:
+    def fine(
+        self, pose: Pose, window: Window, supersample: int, *, shadows: bool = True
+    ) -> Luminance:
         """Luminance at the fine points of a window of the image, as drawn, not filtered.
 
         Args:
             pose: the camera's.
             window: which pixels.
             supersample: points per pixel and axis.
+            shadows: whether there are any.
 
         Returns:
             ((y1 - y0) · supersample, (x1 - x0) · supersample) float32 [cd/m²].
         """
-        fine = self._draw(pose, window, supersample, mjrf.PixelFormat.PIXEL_FORMAT_R32F)
+        grey = mjrf.PixelFormat.PIXEL_FORMAT_R32F
+        fine = self._draw(pose, window, supersample, grey, shadows=shadows)
         return np.asarray(fine / np.float32(EXPOSURE), np.float32)
 
     @contextmanager
@@ -165,7 +169,7 @@ class FilamentRenderer:
         ).astype(np.int32)
         return rgb[..., 0] + 256 * rgb[..., 1] + 65536 * rgb[..., 2] - 1
 
-    def preview(self, pose: Pose, *, scale: int = 2) -> npt.NDArray[np.uint8]:
+    def preview(self, pose: Pose, *, scale: float = 2) -> npt.NDArray[np.uint8]:
         """A tone-mapped picture for the eye: (height·scale, width·scale, 3) uint8 sRGB."""
         whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
         rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
@@ -177,9 +181,10 @@ class FilamentRenderer:
         return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
 
     def _draw(
-        self, pose: Pose, window: Window, scale: int, pixel_format: Any, **options: Any
+        self, pose: Pose, window: Window, scale: float, pixel_format: Any, **options: Any
     ) -> npt.NDArray[Any]:
-        height, width = (window[3] - window[1]) * scale, (window[2] - window[0]) * scale
+        height = round((window[3] - window[1]) * scale)
+        width = round((window[2] - window[0]) * scale)
         colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
         image = np.empty((height, width, 3) if colour else (height, width), _DTYPE[colour])
         if not colour:
@@ -204,14 +209,16 @@ class FilamentRenderer:
             self._targets[key] = self._context.create_render_target(config)
         return self._targets[key]
 
-    def _request(self, pose: Pose, window: Window, scale: int, target: Any, **options: Any) -> Any:
+    def _request(
+        self, pose: Pose, window: Window, scale: float, target: Any, **options: Any
+    ) -> Any:
         request = mjrf.RenderRequest()
         request.scene, request.target = self._scene, target
         request.camera = _frustum(pose, self.intrinsics)
-        request.viewport.left = -window[0] * scale
-        request.viewport.bottom = (window[3] - self.intrinsics.height) * scale
-        request.viewport.width = self.intrinsics.width * scale
-        request.viewport.height = self.intrinsics.height * scale
+        request.viewport.left = round(-window[0] * scale)
+        request.viewport.bottom = round((window[3] - self.intrinsics.height) * scale)
+        request.viewport.width = round(self.intrinsics.width * scale)
+        request.viewport.height = round(self.intrinsics.height * scale)
         request.post_processing = False
         request.haze = request.reflections = request.headlight = False
         for name, value in options.items():

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from sim import flow
 from sim.camera import Intrinsics
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.scene import Scene
 from sim.triangles import triangle_soup
 from sim.visible import Visible, look
@@ -50,7 +50,7 @@ class SceneGeometry:
 
     def views(self, t_s: float) -> F64:
         """(bodies, 3, 4) from each body's frame into the camera's."""
-        return followed_by(self.poses(t_s), into_camera(self.scene.pose_at(t_s)))
+        return followed_by(self.poses(t_s), self.scene.pose_at(t_s).into)
 
     def poses(self, t_s: float) -> F64:
         """(bodies, 3, 4) from each body's frame into the world."""

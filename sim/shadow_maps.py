@@ -22,7 +22,7 @@ F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
 
 MAP_SIDE = 512
-"""Rows and columns that a map may have."""
+"""Rows and columns that a map may have (assumed: a van's shadow in cells of `TEXEL_M`)."""
 TEXEL_M = 0.025
 """Side of a map's cell on the ground, where the map's size allows it; what a pixel
 sees at the vehicle's distance (assumed)."""

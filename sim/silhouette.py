@@ -9,13 +9,13 @@ import numpy.typing as npt
 from numba import njit
 
 from sim.camera import Intrinsics
+from sim.raster import cover
 from sim.renderer import NEAR_M
 from sim.triangles import Soup
 
 F64 = npt.NDArray[np.float64]
 I8 = npt.NDArray[np.int8]
 I32 = npt.NDArray[np.int32]
-Bools = npt.NDArray[np.bool_]
 
 POINTS = 2_000
 """About how many pixels, evenly spread, stand for the box around a silhouette: of one that is half
@@ -49,20 +49,19 @@ class Silhouette:
         Returns:
             0 to 1: 1 where nothing stands before the object and all of it is in the image.
         """
-        middle = lens.width / 2, lens.height / 2
-        flat, span = _projected(self._corners_m, self._body, views, lens.focal_px, *middle, NEAR_M)
-        low, high = np.floor(span[0]), np.ceil(span[1])
-        if not ((high > 0) & (low < [lens.width, lens.height])).all():
+        flat, *span = _projected(
+            self._corners_m, self._body, views, lens.focal_px, lens.width / 2, lens.height / 2
+        )
+        if not (span[0] < lens.width and span[1] < lens.height and span[2] > 0 and span[3] > 0):
             return 0.0
-        stride = max(math.isqrt(int(np.prod(high - low) / POINTS)), 1)
-        columns, rows = (int(n) for n in -(-(high - low) // stride))
-        covered = np.zeros((rows, columns), np.bool_)
-        # Grid point (i, j) is the middle of pixel (x0 + i · stride, y0 + j · stride).
-        _cover((flat - (low + 0.5)) / stride + 0.5, self._faces, covered)
-        alone = int(np.count_nonzero(covered))
-        x, y = (int(n) % stride if n < 0 else int(n) for n in low)
-        seen = labels[y : int(high[1]) : stride, x : int(high[0]) : stride] == number
-        return min(int(np.count_nonzero(seen)) / alone, 1.0) if alone else 0.0
+        x0, y0 = math.floor(span[0]), math.floor(span[1])
+        x1, y1 = math.ceil(span[2]), math.ceil(span[3])
+        stride = max(math.isqrt((x1 - x0) * (y1 - y0) // POINTS), 1)
+        grid = np.zeros((-(-(y1 - y0) // stride), -(-(x1 - x0) // stride)), np.bool_)
+        alone = cover(flat, self._faces, x0 + 0.5, y0 + 0.5, float(stride), grid)
+        x, y = (n % stride if n < 0 else n for n in (x0, y0))
+        seen = int(np.count_nonzero(labels[y:y1:stride, x:x1:stride] == number))
+        return min(seen / alone, 1.0) if alone else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -73,8 +72,7 @@ def _projected(
     focal: float,
     centre_x: float,
     centre_y: float,
-    near: float,
-) -> tuple[F64, F64]:
+) -> tuple[F64, float, float, float, float]:
     """Image coordinates of corners.
 
     Args:
@@ -84,11 +82,10 @@ def _projected(
         focal: of the camera [px].
         centre_x: where its axis meets the image [px].
         centre_y: likewise.
-        near: how near corners may be to the camera [m].
 
     Returns:
-        (n, 2) coordinates, not a number where nearer; and (2, 2) the lowest and highest of them,
-        infinite the wrong way round where there are none.
+        (n, 2) coordinates, not a number before the near plane; and the lowest x and y and the
+        highest, infinite the wrong way round where there are none.
     """
     flat = np.full((len(corners), 2), np.nan)
     low_x = low_y = math.inf
@@ -96,7 +93,7 @@ def _projected(
     for k in range(len(corners)):
         a, b, c, i = corners[k, 0], corners[k, 1], corners[k, 2], body[k]
         z = views[i, 2, 0] * a + views[i, 2, 1] * b + views[i, 2, 2] * c + views[i, 2, 3]
-        if z < near:
+        if z < NEAR_M:
             continue
         x = views[i, 0, 0] * a + views[i, 0, 1] * b + views[i, 0, 2] * c + views[i, 0, 3]
         y = views[i, 1, 0] * a + views[i, 1, 1] * b + views[i, 1, 2] * c + views[i, 1, 3]
@@ -104,42 +101,4 @@ def _projected(
         flat[k, 0], flat[k, 1] = x, y
         low_x, low_y = min(low_x, x), min(low_y, y)
         high_x, high_y = max(high_x, x), max(high_y, y)
-    return flat, np.array([[low_x, low_y], [high_x, high_y]])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _cover(flat: F64, faces: I32, covered: Bools) -> None:
-    """Mark the grid points inside of triangles that face the camera; (i, j) is at (i + ½, j + ½).
-
-    Args:
-        flat: (n, 2) corners [grid points]; triangles with one that is not a number are left out.
-        faces: (m, 3) triangles, anticlockwise as seen from outside.
-        covered: (height, width), set to true in place.
-    """
-    height, width = covered.shape
-    for k in range(len(faces)):
-        a, b, c = faces[k, 0], faces[k, 1], faces[k, 2]
-        ax, ay, bx, by = flat[a, 0], flat[a, 1], flat[b, 0], flat[b, 1]
-        cx, cy = flat[c, 0], flat[c, 1]
-        if not (bx - ax) * (cy - ay) - (cx - ax) * (by - ay) < 0.0:
-            continue
-        first = max(math.ceil(min(ay, by, cy) - 0.5), 0)
-        last = min(math.ceil(max(ay, by, cy) - 0.5), height)
-        for row in range(first, last):
-            y = row + 0.5
-            low, high = math.inf, -math.inf
-            for edge in range(3):
-                if edge == 0:
-                    ux, uy, vx, vy = ax, ay, bx, by
-                elif edge == 1:
-                    ux, uy, vx, vy = bx, by, cx, cy
-                else:
-                    ux, uy, vx, vy = cx, cy, ax, ay
-                if (uy <= y) != (vy <= y):
-                    if vy < uy:  # as `sim.raster` does
-                        ux, uy, vx, vy = vx, vy, ux, uy
-                    x = ux + (vx - ux) * (y - uy) / (vy - uy)
-                    low, high = min(low, x), max(high, x)
-            start = max(math.ceil(low - 0.5), 0)
-            for column in range(start, min(math.ceil(high - 0.5), width)):
-                covered[row, column] = True
+    return flat, low_x, low_y, high_x, high_y

@@ -1,4 +1,7 @@
-"""The street: ground from `street.xml`; houses, trees, parked cars and furniture from a seed."""
+"""The street: ground from `street.xml`; houses, trees, parked cars and furniture from a seed.
+
+Sizes and places are in metres and, where nothing else is said, assumed.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 """The still street, taken apart by light, so that it can be lit anew without being drawn anew.
 
 Light is linear: what the camera sees is the sum of what each lamp adds. So the street is drawn
-once with all lamps, once without each that casts shadows, and never again; a passing shadow takes
-its share from its own lamp alone.
+once with all lamps, once without those that cast shadows, once with each of these alone, and never
+again; a passing shadow takes its share from its own lamp alone. What is left where all are shut
+out is drawn as such: as a difference it would be as rough as the renderer's rounding.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import cv2
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +19,7 @@ import numpy.typing as npt
 from sim.aperture import to_pixels
 from sim.camera import Intrinsics, Pose
 from sim.compose import Street
-from sim.mains import Mains, changed_lights
+from sim.mains import Mains, changed_lights, sky_lights
 from sim.moves import body_poses, followed_by, into_camera
 from sim.raster import empty_buffer, perspective, rasterise
 from sim.renderer import NEAR_M, FilamentRenderer
@@ -30,7 +32,7 @@ I32 = npt.NDArray[np.int32]
 Numbers = npt.NDArray[np.int64]
 
 FAR = 1e-6
-"""Nearness of what is at no distance, such as the sky [1/m]."""
+"""Nearness of what is at no distance, such as the sky [1/m] (assumed)."""
 
 
 def draw_street(
@@ -44,6 +46,7 @@ def draw_street(
     window: Window,
     supersample: int,
     blur_px: float,
+    finer: int = 1,
 ) -> Street:
     """Draw what never moves, light by light.
 
@@ -58,31 +61,38 @@ def draw_street(
         window: what shadows and beams can reach; elsewhere the lights are not told apart.
         supersample: fine points per pixel and axis.
         blur_px: deviation of the lens's point spread [px].
+        finer: each fine point is the mean of so many drawn along each axis.
     """
     lens = renderer.intrinsics
 
     def drawn(which: Window) -> F32:
         renderer.update(data)
-        return renderer.fine(pose, which, supersample)
+        return _averaged(renderer.fine(pose, which, finer * supersample), finer)
 
-    steady = drawn((0, 0, lens.width, lens.height))
-    points = np.zeros((1 + len(shadowing) + (mains is not None), *steady.shape), np.float32)
-    points[0] = steady
+    everything = (0, 0, lens.width, lens.height)
+    whole = drawn(everything)
+    points = np.zeros((1 + len(shadowing) + (mains is not None), *whole.shape), np.float32)
+    points[0] = whole
     box = tuple(slice(supersample * a, supersample * b) for a, b in (window[1::2], window[::2]))
-    for part, light in zip(points[1:], shadowing, strict=False):
-        with changed_lights(model, {int(light): 0.0}):
-            part[box] = np.maximum(steady[box] - drawn(window), 0.0)
-        points[0] -= part
     if mains is not None:
         with mains.scaled(model, 0.0):
-            points[-1] = np.maximum(steady - drawn((0, 0, lens.width, lens.height)), 0.0)
-        points[0] -= points[-1]
-        for part, light in zip(points[1:-1], shadowing, strict=True):
-            if light in mains.lights:  # told apart already
-                points[-1] -= part
-                points[0] += part
-    np.maximum(points, 0.0, out=points)
-    albedo = np.zeros_like(steady)
+            points[0] = np.minimum(drawn(everything), whole)
+        points[-1] = whole - points[0]
+    dark: dict[int, float] = dict.fromkeys((int(k) for k in shadowing), 0.0)
+    if dark:
+        with changed_lights(model, dark):
+            points[0][box] = rest = drawn(window)
+        for light, part in zip(list(dark)[1:], points[2:], strict=False):
+            without = {k: v for k, v in dark.items() if k != light}
+            with changed_lights(model, without):
+                part[box] = np.maximum(drawn(window) - rest, 0.0)
+        others = points[2 : 1 + len(dark)].sum(axis=0)[box]
+        points[1][box] = np.maximum(whole[box] - rest - others, 0.0)
+        if mains is not None:
+            with changed_lights(model, dark), mains.scaled(model, 0.0):
+                points[0][box] = np.minimum(drawn(window), rest)
+            points[-1][box] = rest - points[0][box]
+    albedo = np.zeros_like(whole)
     albedo[box] = _albedo(model, lambda: drawn(window))
     nearness, depth, normals = _shape(lens, data, pose, soup, supersample)
     return Street(
@@ -95,12 +105,20 @@ def draw_street(
     )
 
 
+def _averaged(fine: F32, count: int) -> F32:
+    """Means of squares of `count` × `count` points."""
+    if count == 1:
+        return fine
+    size = fine.shape[1] // count, fine.shape[0] // count
+    return np.asarray(cv2.resize(fine, size, interpolation=cv2.INTER_AREA), np.float32)
+
+
 def _albedo(model: mujoco.MjModel, drawn: Callable[[], F32]) -> F32:
     """Luminance of each fine point a lux on it [cd/m² a lux].
 
     The sky is everywhere alike, so that a surface returns its light whichever way it faces.
     """
-    sky = np.flatnonzero(model.light_type == mujoco.mjtLightType.mjLIGHT_IMAGE)
+    sky = sky_lights(model)
     if not sky.size:
         return np.zeros_like(drawn())
     dark: dict[int, float] = dict.fromkeys(range(model.nlight), 0.0)

@@ -13,7 +13,7 @@ from enum import StrEnum
 from sim.errors import SceneConfigError
 
 MAX_BEARING_RAD = math.radians(80)
-"""Beyond this bearing d·tan(ωt) runs away; no lens of ours sees as far."""
+"""Beyond this bearing d·tan(ωt) runs away; no lens of ours sees as far (assumed)."""
 
 
 class Profile(StrEnum):

@@ -1,4 +1,7 @@
-"""Trees: a trunk that stands, and a crown of boughs that sways in the wind."""
+"""Trees: a trunk that stands, and a crown of boughs that sways in the wind.
+
+Shapes are drawn at random; their sizes and chances, where nothing else is said, are assumed.
+"""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.camera import Intrinsics, Pose
-from sim.moves import followed_by, into_camera
+from sim.moves import followed_by
 from sim.raster import NOTHING, empty_buffer, perspective, rasterise
 from sim.renderer import NEAR_M
 from sim.triangles import Soup
@@ -49,7 +49,7 @@ def look(
         nearness, body = empty_buffer(lens.height, lens.width)
     else:
         nearness, body = before.nearness.copy(), before.body.copy()
-    seen = soup.moved(followed_by(poses, into_camera(pose)))
+    seen = soup.moved(followed_by(poses, pose.into))
     flat, source = perspective(seen, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M)
     rasterise(flat, soup.body[source], 0, 0, nearness, body, True)
     return Visible(body, nearness)

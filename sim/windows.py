@@ -13,6 +13,7 @@ from sim.moves import axes_along
 from sim.shadow_maps import Lamp
 
 F64 = npt.NDArray[np.float64]
+Point = F64 | tuple[float, float]
 Window = tuple[int, int, int, int]
 """x0, y0, x1, y1 [px], half-open."""
 
@@ -21,17 +22,22 @@ MARGIN_PX = 2
 BEAM_REACH_M = 30.0
 """Farther ahead, dipped beams change nothing that is in view (measured)."""
 BEAM_RIM = 24
-"""Points around a beam's rim."""
+"""Points around a beam's rim (assumed; the polygon is drawn around the circle)."""
 
 
-def window_around(low: F64, high: F64, lens: Intrinsics) -> Window | None:
-    """The window of pixels around a span of image coordinates; None outside of the image."""
-    size = np.array([lens.width, lens.height])
-    first = np.clip(np.floor(low) - MARGIN_PX, 0, size)
-    last = np.clip(np.ceil(high) + MARGIN_PX, 0, size)
-    if not (first < last).all():
-        return None
-    return int(first[0]), int(first[1]), int(last[0]), int(last[1])
+def window_around(low: Point, high: Point, lens: Intrinsics) -> Window | None:
+    """The window of pixels around a span of image coordinates; None outside of the image.
+
+    Args:
+        low: (2,) lowest x and y [px].
+        high: (2,) highest.
+        lens: the camera's.
+    """
+    x0 = min(max(math.floor(low[0]) - MARGIN_PX, 0), lens.width)
+    y0 = min(max(math.floor(low[1]) - MARGIN_PX, 0), lens.height)
+    x1 = min(max(math.ceil(high[0]) + MARGIN_PX, 0), lens.width)
+    y1 = min(max(math.ceil(high[1]) + MARGIN_PX, 0), lens.height)
+    return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None
 
 
 def whole(lens: Intrinsics) -> Window:
@@ -40,47 +46,21 @@ def whole(lens: Intrinsics) -> Window:
 
 
 def points_window(points_m: F64, pose: Pose, lens: Intrinsics) -> Window | None:
-    """The window that holds the convex hull of world points, (n, 3)."""
-    low_x, low_y, high_x, high_y, behind = _span(points_m, pose.into, lens.focal_px)
-    if behind == len(points_m):
-        return None
-    if behind:
-        return whole(lens)
-    middle = np.array([lens.width / 2, lens.height / 2])
-    low, high = np.array([low_x, low_y]), np.array([high_x, high_y])
-    return window_around(middle + low, middle + high, lens)
-
-
-@njit(cache=True, error_model="numpy")
-def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, float, float, int]:
-    """Least and greatest x and y of projected points from the axis [px]; how many lie behind."""
-    low_x = low_y = math.inf
-    high_x = high_y = -math.inf
-    behind = 0
-    for k in range(len(points_m)):
-        a, b, c = points_m[k, 0], points_m[k, 1], points_m[k, 2]
-        depth = into[2, 0] * a + into[2, 1] * b + into[2, 2] * c + into[2, 3]
-        if depth <= 0.0:
-            behind += 1
-            continue
-        scale = focal_px / depth
-        x = scale * (into[0, 0] * a + into[0, 1] * b + into[0, 2] * c + into[0, 3])
-        y = scale * (into[1, 0] * a + into[1, 1] * b + into[1, 2] * c + into[1, 3])
-        low_x, high_x = min(low_x, x), max(high_x, x)
-        low_y, high_y = min(low_y, y), max(high_y, y)
-    return low_x, low_y, high_x, high_y, behind
+    """The window that holds the convex hull of world points, (n, 3) [m]."""
+    return _around(*_span(points_m, pose.into, lens.focal_px), lens)
 
 
 def shadow_window(corners_m: F64, lamp: Lamp, pose: Pose, lens: Intrinsics) -> Window | None:
-    """The window that holds a box and all that it can shut out of a light, down to the ground."""
-    if lamp.parallel:
-        to_light = np.broadcast_to(-lamp.axes[2], corners_m.shape)
-    else:
-        to_light = lamp.place_m - corners_m
-    if (to_light[:, 2] <= 0).any():
-        return whole(lens)
-    shadow = corners_m - to_light * (corners_m[:, 2:] / to_light[:, 2:])
-    return points_window(np.concatenate([corners_m, shadow]), pose, lens)
+    """The window that holds a box and all that it can shut out of a light, down to the ground.
+
+    Args:
+        corners_m: (8, 3) of the box, in the world [m].
+        lamp: the light.
+        pose: the camera's.
+        lens: likewise.
+    """
+    points, falls = _with_shadow(corners_m, lamp.axes[2], lamp.place_m, lamp.parallel)
+    return points_window(points, pose, lens) if falls else whole(lens)
 
 
 def beam_window(
@@ -89,22 +69,24 @@ def beam_window(
     """The window that holds all that a spot can light, above the ground.
 
     Args:
-        place_m: (3,) in the world.
+        place_m: (3,) in the world [m].
         direction: (3,) of the cone's axis, unit length.
         angle_rad: between the cone's axis and its rim.
         pose: the camera's.
         lens: likewise.
     """
-    turn = np.arange(BEAM_RIM) * 2 * math.pi / BEAM_RIM
-    radius = math.tan(angle_rad) / math.cos(math.pi / BEAM_RIM)  # around the circle, not inside
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1) @ axes_along(direction)[:2]
-    rim = (direction + radius * circle) * BEAM_REACH_M
-    after, falls = np.roll(rim, -1, axis=0), rim[:, 2] < -place_m[2]
-    between = falls != np.roll(falls, -1)  # where the rim's edge meets the ground
-    edge, along = rim[between], (after - rim)[between]
-    ground = edge - along * ((place_m[2] + edge[:, 2]) / along[:, 2])[:, None]
-    rim[falls] *= (-place_m[2] / rim[falls, 2])[:, None]
-    return points_window(place_m + np.concatenate([np.zeros((1, 3)), rim, ground]), pose, lens)
+    lit = _lit_hull(place_m, direction, axes_along(direction), math.tan(angle_rad))
+    return points_window(lit, pose, lens)
+
+
+def _around(
+    low_x: float, low_y: float, high_x: float, high_y: float, behind: int, lens: Intrinsics
+) -> Window | None:
+    """The window around what `_span` found."""
+    if behind:
+        return whole(lens) if low_x <= high_x else None
+    x, y = lens.width / 2, lens.height / 2
+    return window_around((x + low_x, y + low_y), (x + high_x, y + high_y), lens)
 
 
 def hull(windows: list[Window]) -> Window:
@@ -129,3 +111,79 @@ def merged(windows: list[Window]) -> list[Window]:
 
 def _overlap(a: Window, b: Window) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, float, float, int]:
+    """Least and greatest x and y of projected points from the axis [px]; how many lie behind."""
+    low_x = low_y = math.inf
+    high_x = high_y = -math.inf
+    behind = 0
+    for k in range(len(points_m)):
+        a, b, c = points_m[k, 0], points_m[k, 1], points_m[k, 2]
+        depth = into[2, 0] * a + into[2, 1] * b + into[2, 2] * c + into[2, 3]
+        if depth <= 0.0:
+            behind += 1
+            continue
+        scale = focal_px / depth
+        x = scale * (into[0, 0] * a + into[0, 1] * b + into[0, 2] * c + into[0, 3])
+        y = scale * (into[1, 0] * a + into[1, 1] * b + into[1, 2] * c + into[1, 3])
+        low_x, high_x = min(low_x, x), max(high_x, x)
+        low_y, high_y = min(low_y, y), max(high_y, y)
+    return low_x, low_y, high_x, high_y, behind
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _with_shadow(corners_m: F64, away: F64, place_m: F64, parallel: bool) -> tuple[F64, bool]:
+    """Corners, and after them their shadows on the ground.
+
+    Args:
+        corners_m: (n, 3) [m].
+        away: (3,) from the light, if that is the sun.
+        place_m: (3,) where it is, if not [m].
+        parallel: whether it is the sun.
+
+    Returns:
+        (2 n, 3); and whether all shadows fall there.
+    """
+    count = len(corners_m)
+    out, falls = np.empty((2 * count, 3)), True
+    for k in range(count):
+        to_light = -away if parallel else place_m - corners_m[k]
+        falls &= to_light[2] > 0
+        out[k] = corners_m[k]
+        out[count + k] = corners_m[k] - to_light * (corners_m[k, 2] / to_light[2])
+    return out, falls
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _lit_hull(place_m: F64, direction: F64, axes: F64, slope: float) -> F64:
+    """Points around a cone down to the ground, whose convex hull holds all of it above.
+
+    Args:
+        place_m: (3,) of its tip [m].
+        direction: (3,) of its axis, unit length.
+        axes: (3, 3) rows: two across, and the axis.
+        slope: tangent of the angle between axis and rim.
+
+    Returns:
+        (n, 3) [m].
+    """
+    radius = slope / math.cos(math.pi / BEAM_RIM)  # around the circle, not inside
+    rim = np.empty((BEAM_RIM, 3))
+    for k in range(BEAM_RIM):
+        turn = k * 2 * math.pi / BEAM_RIM
+        across = math.cos(turn) * axes[0] + math.sin(turn) * axes[1]
+        rim[k] = (direction + radius * across) * BEAM_REACH_M
+    out, count = np.empty((1 + 2 * BEAM_RIM, 3)), 1
+    out[0] = place_m
+    for k in range(BEAM_RIM):
+        edge, after = rim[k], rim[(k + 1) % BEAM_RIM]
+        falls = edge[2] < -place_m[2]
+        out[count] = place_m + edge * (-place_m[2] / edge[2] if falls else 1.0)
+        count += 1
+        if falls != (after[2] < -place_m[2]):  # the rim's edge meets the ground
+            along = after - edge
+            out[count] = place_m + edge - along * ((place_m[2] + edge[2]) / along[2])
+            count += 1
+    return out[:count]

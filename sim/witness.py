@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from sim.camera import Intrinsics
-from sim.moves import into_camera
+from sim.camera import Intrinsics, Pose
+from sim.moves import followed_by
 from sim.scene import Scene
 from sim.scene_geometry import RATE_STEP_S, SceneGeometry
 from sim.silhouette import Silhouette
 from sim.truth import GroundTruth, ObjectTruth
-from sim.visible import Visible
 from sim.windows import Window
 
 F64 = npt.NDArray[np.float64]
@@ -42,44 +41,52 @@ class Witness:
         self._roots = np.array([item.root for item in scene.objects])
         self._references_m = self._find_references()
 
-    def at(self, t_us: int, t_s: float, visible: Visible) -> GroundTruth:
+    def at(self, t_us: int, t_s: float, body: I32) -> GroundTruth:
         """The truth at a time.
 
         Args:
             t_us: time since the start of the sequence [µs].
             t_s: the same instant, since closest approach [s].
-            visible: what the camera sees then.
+            body: (height, width) int32, the rigid body that each pixel's middle shows then; see
+                `sim.visible.Visible`.
         """
         scene = self._scene
-        labels, counts = _count(visible.body, self.geometry.object_of, len(scene.objects))
-        motions = self._motions(t_s)
-        views = self.geometry.views(t_s)
-        objects = []
-        for k, (item, motion, count) in enumerate(zip(scene.objects, motions, counts, strict=True)):
-            seen = count[_AREA] > 0
-            shape = self._silhouettes[k]
-            objects.append(
-                ObjectTruth(
-                    name=item.name,
-                    kind=item.kind,
-                    reference_px=motion.reference_px,
-                    image_velocity_px_s=motion.image_velocity_px_s,
-                    angular_velocity_rad_s=motion.angular_velocity_rad_s,
-                    distance_m=motion.distance_m,
-                    visibility=shape.visibility(views, self._lens, labels, k) if seen else 0.0,
-                    bounding_box_px=_box(count) if seen else None,
-                    centroid_px=_centroid(count) if seen else None,
-                    labels=labels,
-                    number=k,
-                )
-            )
+        labels, counts = _count(body, self.geometry.object_of, len(scene.objects))
+        poses, pose = self.geometry.poses(t_s), scene.pose_at(t_s)
+        motions, views = self._motions(t_s, poses, pose), followed_by(poses, pose.into)
+        objects = tuple(
+            self._truth_of(k, motions[k], views, labels, counts[k])
+            for k in range(len(scene.objects))
+        )
         position_m = scene.trajectory.position_m(t_s)
-        return GroundTruth(t_us, scene.config.direction, position_m, tuple(objects))
+        return GroundTruth(t_us, scene.config.direction, position_m, objects)
 
-    def _motions(self, t_s: float) -> list[_Motion]:
-        """Where the objects' references are, and how they move."""
-        before, now, after = (
-            self._references_at(t_s + step) for step in (-RATE_STEP_S, 0.0, RATE_STEP_S)
+    def _truth_of(self, k: int, motion: _Motion, views: F64, labels: I8, count: I64) -> ObjectTruth:
+        """What is so of object `k`, whose row of `_count` is given."""
+        item, seen = self._scene.objects[k], count[_AREA] > 0
+        visibility = 0.0
+        if seen:
+            visibility = self._silhouettes[k].visibility(views, self._lens, labels, k)
+        return ObjectTruth(
+            name=item.name,
+            kind=item.kind,
+            reference_px=motion.reference_px,
+            image_velocity_px_s=motion.image_velocity_px_s,
+            angular_velocity_rad_s=motion.angular_velocity_rad_s,
+            distance_m=motion.distance_m,
+            visibility=visibility,
+            bounding_box_px=_box(count) if seen else None,
+            centroid_px=_centroid(count) if seen else None,
+            labels=labels,
+            number=k,
+        )
+
+    def _motions(self, t_s: float, poses: F64, pose: Pose) -> list[_Motion]:
+        """Where the objects' references are, and how they move; poses are those at the time."""
+        now = self._references(poses, pose)
+        before, after = (
+            self._references(self.geometry.poses(t), self._scene.pose_at(t))
+            for t in (t_s - RATE_STEP_S, t_s + RATE_STEP_S)
         )
         rates = (after - before) / (2 * RATE_STEP_S)
         return [
@@ -87,12 +94,12 @@ class Witness:
             for k in range(len(self._roots))
         ]
 
-    def _references_at(self, t_s: float) -> F64:
+    def _references(self, poses: F64, pose: Pose) -> F64:
         """(2, objects, 3) references from the camera [m]: along the world's axes, and its own."""
-        poses, pose = self.geometry.poses(t_s)[self._roots], self._scene.pose_at(t_s)
-        world = (poses[..., :3] @ self._references_m[..., None])[..., 0] + poses[..., 3]
+        roots = poses[self._roots]
+        world = (roots[..., :3] @ self._references_m[..., None])[..., 0] + roots[..., 3]
         apart = world - pose.position_m
-        return np.array([apart, apart @ into_camera(pose)[:, :3].T])
+        return np.array([apart, apart @ pose.into[:, :3].T])
 
     def _find_references(self) -> F64:
         """(objects, 3) references in the frames of the objects' roots [m]."""
@@ -157,6 +164,11 @@ def _count(body: I32, object_of: I8, objects: int) -> tuple[I8, I64]:
     counts = np.zeros((objects, 7), np.int64)
     counts[:, 0], counts[:, 1] = width, height
     for row in range(height):
+        highest = np.int32(0)
+        for column in range(width):
+            highest = max(highest, body[row, column])
+        if highest == 0:
+            continue
         for column in range(width):
             what = body[row, column]
             if what <= 0 or object_of[what] < 0:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.cache import Lights
+from sim.cache import LightStream
 from sim.light_file import Light
 
 SHAPE = 5, 7
@@ -12,7 +12,7 @@ KEY = "a" * 64
 OTHER = "b" * 64
 
 
-def lights(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> Lights:
+def lights(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> LightStream:
     """Samples of which each changes a window of the one before; the third changes nothing."""
     rng = np.random.default_rng(seed)
     height, width = shape

@@ -5,7 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from sim.aperture import LENS_BLUR_PX, REACH_PX, aperture_weights, on_grid, to_pixels
+from sim.aperture import (
+    LENS_BLUR_PX,
+    REACH_PX,
+    aperture_weights,
+    blur_before_interpolation_px,
+    on_grid,
+    to_pixels,
+)
 
 GRIDS = [(size, per) for size in range(1, 9) for per in range(1, size + 1) if size % per == 0]
 
@@ -64,3 +71,26 @@ def test_an_edge_looks_as_behind_a_gaussian_and_a_square(axis: int, edge_px: flo
 
 def _phi(t: float) -> float:
     return (1 + math.erf(t / math.sqrt(2))) / 2
+
+
+@pytest.mark.parametrize("per_pixel", [3, 4, 6])
+def test_a_lesser_blur_and_interpolation_together_are_the_lens(per_pixel: int) -> None:
+    fine = 24
+    line = np.zeros((5 * fine, 7 * fine), np.float32)
+    line[:, 3 * fine + fine // 2] = 1.0
+    blur_px = blur_before_interpolation_px(per_pixel)
+    grid = on_grid(line, fine, per_pixel=per_pixel, blur_px=blur_px)[2 * per_pixel].astype(float)
+    place = np.linspace(0.5, 6.5, 1000)
+    points = (np.arange(len(grid)) + 0.5) / per_pixel
+    between = np.interp(place, points, grid)
+    middle = (between * place).sum() / between.sum()
+    variance = (between * (place - middle) ** 2).sum() / between.sum()
+    whole = to_pixels_variance(fine)
+    assert variance == pytest.approx(whole, rel=0.03)
+
+
+def to_pixels_variance(size: int) -> float:
+    """Of a pixel's aperture: its width and the lens, cut off."""
+    weights = aperture_weights(size).astype(float)
+    place = (np.arange(len(weights)) + 0.5) / size - 1.5
+    return float((weights * place**2).sum())

@@ -18,7 +18,7 @@ import pytest
 
 from sim import Crossing, CrossingConfig, Lighting, SimError
 from sim import crossing as crossing_module
-from sim.cache import LOCK, LightCache, Lights
+from sim.cache import LOCK, LightCache, LightStream
 from sim.errors import RendererError
 from sim.light_file import Light
 from tests.sim.lights import KEY, OTHER, SHAPE, lights, same
@@ -34,7 +34,7 @@ def cache(folder: Path, **options: Any) -> LightCache:
     return LightCache(folder, **({"warn": refuse} | options))
 
 
-def never() -> Lights:
+def never() -> LightStream:
     raise AssertionError("drawn")
     yield
 
@@ -84,7 +84,7 @@ def test_what_was_not_drawn_to_its_end_does_not_count(tmp_path: Path) -> None:
 
 
 def test_a_drawing_that_fails_leaves_nothing_and_says_so_itself(tmp_path: Path) -> None:
-    def lost() -> Lights:
+    def lost() -> LightStream:
         yield from islice(lights(), 2)
         raise RendererError("the Vulkan device is lost")
 
@@ -96,7 +96,7 @@ def test_a_drawing_that_fails_leaves_nothing_and_says_so_itself(tmp_path: Path) 
 def test_the_drawing_is_closed_when_the_reader_stops(tmp_path: Path) -> None:
     closed = []
 
-    def drawing() -> Lights:
+    def drawing() -> LightStream:
         try:
             yield from lights()
         finally:
@@ -308,15 +308,17 @@ class NoRenderer:
 def test_a_crossing_from_the_cache_is_that_which_was_rendered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lighting: Lighting
 ) -> None:
-    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1)
+    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=128.0)
 
     def samples(cache: LightCache | None) -> list[Any]:
-        return list(Crossing(config, cache=cache).samples())
+        crossing = Crossing(config, cache=cache)
+        times_us = crossing.times_us()
+        return list(crossing.samples(times_us[: len(times_us) // 2]))
 
     rendered, kept = samples(None), samples(cache(tmp_path))
     monkeypatch.setattr(crossing_module, "FilamentRenderer", NoRenderer)
     read = samples(cache(tmp_path))
-    assert len(rendered) == len(kept) == len(read) > 50
+    assert len(rendered) == len(kept) == len(read) > 25
     for one, *others in zip(rendered, kept, read, strict=True):
         for other in others:
             assert (one.t_us, one.changed) == (other.t_us, other.changed)
@@ -334,3 +336,27 @@ def test_light_is_passed_on_as_it_was_given(tmp_path: Path) -> None:
     ):
         assert light is original
         assert isinstance(light, Light)
+
+
+def test_what_goes_with_light_is_made_once_and_anew_where_it_is_damaged(tmp_path: Path) -> None:
+    made: list[bytes] = []
+
+    def make() -> bytes:
+        made.append(b"picture")
+        return made[-1]
+
+    assert [cache(tmp_path).kept(KEY, make) for _ in range(2)] == [b"picture"] * 2
+    assert len(made) == 1
+    whole = entry(tmp_path).read_bytes()
+    for damaged in (b"", whole[:-1], whole[:3], whole[:-1] + b"!"):
+        entry(tmp_path).write_bytes(damaged)
+        assert cache(tmp_path).kept(KEY, make) == b"picture"
+        assert entry(tmp_path).read_bytes() == whole
+    assert len(made) == 5
+
+
+def test_what_goes_with_light_counts_in_the_bound(tmp_path: Path) -> None:
+    it = cache(tmp_path, limit_bytes=1000)
+    for key in (KEY, OTHER):
+        assert it.kept(key, lambda: bytes(600)) == bytes(600)
+    assert names(tmp_path) == {entry(tmp_path, OTHER).name}

@@ -38,7 +38,9 @@ def surfaces(
             t_us, cut_pieces(points, labels[k], {1: views[k]}, (0, 0), size, LENS_BLUR_PX)
         )
 
-    store = KeyframeStore({"it": [0, 1000]}, (body,), draw, bodies=2, per_pixel=size)
+    store = KeyframeStore(
+        {"it": [0, 1000]}, (body,), draw, carriers=np.arange(2, dtype=np.int32), per_pixel=size
+    )
     t_us = round(1000 * late)
     store.advance(t_us)
     return store.surfaces(t_us, np.stack([np.eye(3, 4), now]), mains=1.0)
@@ -284,3 +286,33 @@ def test_the_streets_pattern_is_kept_where_points_are_weighed() -> None:
     street = street._replace(pixels=pixels)
     image = composed(street, lights(1.0, 1.0, **half_shadow(30.5, 0)))
     np.testing.assert_allclose(image[1:-1, 1:-1], pixels[0, 1:-1, 1:-1], rtol=1e-4)
+
+
+def test_a_wheel_takes_its_albedo_along_and_leaves_its_light() -> None:
+    """The albedo is brighter to one side of the body, the light to one side of the vehicle."""
+    size = 3
+    x, y = grid(size)
+    label = np.where((x - 30) ** 2 + (y - 20) ** 2 < 150, 1, -1).astype(np.int32)
+    albedo = np.where(label == 1, 0.3 + 0.01 * (x - 30), 0).astype(np.float32)
+    glow = (100 + 2 * (x - 30)).astype(np.float32)
+    none = np.empty(0, np.int64)
+    body = MovingObject("it", "box", 2, np.array([2, 1]), none, np.zeros((2, 3)), none)
+    whole = np.full(label.shape, 1, np.int32)
+
+    def draw(_: MovingObject, t_us: int) -> Keyframe:
+        own = cut_pieces(albedo[None], label, {1: at()}, (0, 0), size, LENS_BLUR_PX)
+        light = cut_pieces(glow[None], whole, {1: at()}, (0, 0), size, LENS_BLUR_PX)
+        return Keyframe(t_us, own, light)
+
+    carriers = np.arange(3, dtype=np.int32)
+    store = KeyframeStore({"it": [0, 1000]}, (body,), draw, carriers=carriers, per_pixel=size)
+    store.advance(500)
+    half_turn = np.column_stack([np.diag([-1.0, -1.0, 1.0]), [0, 0, MOVER_M]])
+    # The middle of the disc lies on the axis, so that it turns about itself.
+    street = flat_street(STREET_M, np.array([10.0]), size=size)
+    seen = store.surfaces(500, np.stack([np.eye(3, 4), half_turn, at()]), mains=1.0)
+    image = composed(street, lights(1.0), seen, label, near(label))
+    for off in (-8, -3, 0, 5, 9):
+        middle = 30 + off
+        wanted = (0.3 - 0.01 * (off + 0.5)) * (100 + 2 * (off + 0.5))
+        assert image[20, middle] == pytest.approx(wanted, rel=0.01), off

@@ -95,7 +95,8 @@ class Drawn:
             for name, body in (("one", 1), ("two", 2))
         )
         plan = {"one": [100, 200, 400], "two": [300]}
-        self.store = KeyframeStore(plan, self.objects, self.draw, bodies=3, per_pixel=1)
+        carriers = np.arange(3, dtype=np.int32)
+        self.store = KeyframeStore(plan, self.objects, self.draw, carriers=carriers, per_pixel=1)
 
     def draw(self, obj: MovingObject, t_us: int) -> Keyframe:
         self.log.append((obj.name, t_us))
@@ -126,7 +127,7 @@ def test_two_keyframes_share_the_time_between_them(
     drawn = Drawn()
     drawn.store.advance(t_us)
     surfaces = drawn.store.surfaces(t_us, VIEWS_NOW, mains=1.0)
-    np.testing.assert_allclose(surfaces.shares[1:], [shares, (1, 0)])
+    np.testing.assert_allclose(surfaces.shares[1:3], [shares, (1, 0)])
     for key, luminance in enumerate(light):
         start, x0, y0, width, height = surfaces.pieces[1, key]
         assert (x0, y0, width, height) == (7, 9, 3, 2)

@@ -34,7 +34,7 @@ def _flank_middle_m(scene: Scene, t_s: float) -> npt.NDArray[np.float64]:
 
 
 def truth_of(w: Witness, t_s: float) -> GroundTruth:
-    return w.at(0, t_s, w.geometry.visible(t_s))
+    return w.at(0, t_s, w.geometry.visible(t_s).body)
 
 
 @pytest.mark.parametrize("direction", list(Direction))

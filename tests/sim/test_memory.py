@@ -1,0 +1,43 @@
+"""How much memory a sequence takes, in a process of its own: no more, however long it is."""
+
+import platform
+import subprocess
+import sys
+
+from sim.memory import give_back_large
+
+LIMIT_MB = 1_000
+"""Promised: a sequence of any length in under 1 GB."""
+SAMPLE_MB = 0.8
+"""A sample's light and bodies: what would stay behind of each if it were held."""
+MEASURE = """
+import resource
+from sim import Crossing, CrossingConfig
+crossing = Crossing(CrossingConfig(lighting="night", lead_s=2.0, step_px=8.0, max_step_ms=4.0))
+taken = []
+for sample in crossing.samples():
+    taken.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3)
+left = sum(us < 1.5e6 for us in crossing.times_us())
+print(left, len(taken), taken[left - 1] - taken[50], taken[-1])
+"""
+
+
+def measured() -> list[float]:
+    """Samples until 0.5 s before the vehicle enters, and all; growth until then, and peak [MB]."""
+    command = [sys.executable, "-c", MEASURE]
+    answer = subprocess.run(command, capture_output=True, text=True, check=True)
+    return [float(word) for word in answer.stdout.split()]
+
+
+def test_frames_stream_and_the_whole_takes_less_than_a_gigabyte() -> None:
+    early, count, grown_mb, peak_mb = measured()
+    assert early > 300
+    assert count > 2 * early
+    assert grown_mb < 0.1 * SAMPLE_MB * early
+    if peak_mb >= LIMIT_MB:  # where it was the first to call kernels, it compiled them
+        *_, peak_mb = measured()
+    assert peak_mb < LIMIT_MB
+
+
+def test_the_c_library_takes_what_it_is_told() -> None:
+    assert give_back_large() == (platform.libc_ver()[0] == "glibc")
