@@ -1,11 +1,15 @@
-# Two commands: `make demo` runs the main job, `make test` runs all the tests. Both set up first.
+# Two commands: `make study` runs the main job, `make test` runs all the tests. Both set up first.
 VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint bench setup clean
+.PHONY: study demo test lint bench setup clean
 
+study: setup
+	$(BIN)/flybench study
+
+# One sequence by day and one by night, for a first look.
 demo: setup
 	$(BIN)/flybench demo
 
@@ -19,6 +23,7 @@ lint: setup
 
 # One core and fixed threads, so that runs compare; the figures are CPU time where it says so.
 bench: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,peers]'
 	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks \
 	    --benchmark-only --benchmark-disable-gc --benchmark-columns=min,median,iqr,rounds
 

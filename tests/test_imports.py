@@ -1,4 +1,4 @@
-"""The structure: sim → emulator → detector → scenarios, and one owner for each heavy library."""
+"""The structure: sim → emulator → detector → scenarios, formats beside; one owner a library."""
 
 import ast
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-ROOMS = ("sim", "emulator", "detector", "scenarios")
+ROOMS = ("sim", "emulator", "detector", "formats", "scenarios")
 SHARED = {"emulator.events", "emulator.errors"}
 """What a detector may take from the emulator: the events, and what is wrong with them."""
 
@@ -30,9 +30,10 @@ def test_only_one_room_imports_a_heavy_library(library: str, owner: str) -> None
 @pytest.mark.parametrize(
     ("room", "others"),
     [
-        ("sim", {"emulator", "detector", "scenarios"}),
-        ("emulator", {"sim", "detector", "scenarios"}),
-        ("detector", {"sim", "scenarios"}),
+        ("sim", {"emulator", "detector", "formats", "scenarios"}),
+        ("emulator", {"sim", "detector", "formats", "scenarios"}),
+        ("detector", {"sim", "formats", "scenarios"}),
+        ("formats", {"sim", "detector", "scenarios"}),
     ],
 )
 def test_arrows_point_one_way(room: str, others: set[str]) -> None:
@@ -43,3 +44,15 @@ def test_arrows_point_one_way(room: str, others: set[str]) -> None:
 def test_the_detector_knows_events_and_nothing_else_of_the_emulator() -> None:
     used = {name for _, name in imports("detector") if name.split(".")[0] == "emulator"}
     assert used <= SHARED
+
+
+def test_files_know_events_and_frames_and_nothing_else_of_the_emulator() -> None:
+    used = {name for _, name in imports("formats") if name.split(".")[0] == "emulator"}
+    assert used <= SHARED | {"emulator"}  # ApsFrame is what the package itself gives
+
+
+def test_what_parses_files_imports_nothing_of_the_bench() -> None:
+    parsers = {ROOT / "formats" / f"{name}.py" for name in ("errors", "magic", "raw", "worker")}
+    parsers |= set((ROOT / "formats" / "readers").glob("*.py"))
+    used = {name.split(".")[0] for path, name in imports("formats") if path in parsers}
+    assert not used & {"emulator", "detector", "sim", "scenarios"}

@@ -53,12 +53,12 @@ def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
         surfaces = TimeSurfaces(config, width=346, height=260)
         hop = 0
         for part in chunks:
-            now_us = surfaces.last_event_us
-            raw, taken = check_chunk(part, width=346, height=260, now_us=now_us), 0
+            check_chunk(part, width=346, height=260, now_us=surfaces.last_event_us)
+            taken = 0
             while True:
                 until_us = (hop + 1) * config.hop_us
-                taken = surfaces.accumulate(raw, taken, until_us=until_us)
-                if taken == raw.size:
+                taken = surfaces.accumulate(part, taken, until_us=until_us)
+                if taken == part.size:
                     break
                 hop += 1
                 surfaces.begin_hop(hop)

@@ -1,0 +1,98 @@
+"""Prophesee RAW in EVT 2.1: words of 64 bits, each with up to 32 events of a row.
+
+A decoder of our own: faery 0.7.1 knows no `% format EVT21` header. The halves of a word are the
+other way round in files of the IMX636, which say so by `endianness=legacy`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from formats.errors import FormatError
+from formats.magic import percent_header
+from formats.raw import Array, Columns, Head, Item, Options, Reading, Size
+
+_OFF, _ON, _TIME_HIGH = 0, 1, 8
+_KINDS = (_OFF, _ON, _TIME_HIGH, 0xA, 0xE, 0xF)
+"""Kinds of words that there are, in their highest 4 bits."""
+
+_BLOCK = 1 << 14
+_HEADER_MAX = 1 << 20
+_TIME_TURN = 1 << 28
+
+
+def read(path: Path, options: Options) -> Reading:
+    """Events of contrast; triggers are left out."""
+    del options
+    with path.open("rb") as file:
+        facts, start = percent_header(file.read(_HEADER_MAX))
+        file.seek(start)
+        first = _words(file.read(8 * 1024))
+    form = dict(
+        part.split("=", 1) for part in facts.get("format", "").lower().split(";") if "=" in part
+    )
+    swapped = form.get("endianness") == "legacy"
+    if not _sound(first, swapped) and _sound(first, not swapped):
+        swapped = not swapped
+    says = {"format": facts.get("format", "EVT21"), "halves": "swapped" if swapped else "in order"}
+    return Head(_size(form, facts), says), _items(path, start, swapped)
+
+
+def _size(form: dict[str, str], facts: dict[str, str]) -> Size | None:
+    width, height = form.get("width", ""), form.get("height", "")
+    if not (width.isdigit() and height.isdigit()):
+        width, _, height = facts.get("geometry", "").partition("x")
+    return (int(width), int(height)) if width.isdigit() and height.isdigit() else None
+
+
+def _words(data: bytes) -> Array:
+    return np.frombuffer(data, "<u8", count=len(data) // 8)
+
+
+def _sound(words: Array, swapped: bool) -> bool:
+    kinds = (words >> np.uint64(28 if swapped else 60)) & np.uint64(0xF)
+    return bool(np.isin(kinds, _KINDS).all())
+
+
+def _items(path: Path, start: int, swapped: bool) -> Iterator[Item]:
+    high = 0
+    with path.open("rb") as file:
+        file.seek(start)
+        while data := file.read(8 * _BLOCK):
+            words = _words(data)
+            if swapped:
+                words = (words >> np.uint64(32)) | (words << np.uint64(32))
+            columns, high = _decode(words, high)
+            yield columns
+            if len(data) % 8:
+                at = path.stat().st_size
+                raise FormatError(
+                    f"{path} ends within a word of 8 bytes, at byte {at}; it was cut; what comes "
+                    f"before was read; keep that with: head -c {at - len(data) % 8}"
+                )
+
+
+def _decode(words: Array, high: int) -> tuple[Columns, int]:
+    """Events of some words, and the high part of the time after them."""
+    kinds = (words >> np.uint64(60)).astype(np.int64)
+    highs = ((words >> np.uint64(32)) & np.uint64(_TIME_TURN - 1)).astype(np.int64)
+    marks = np.flatnonzero(kinds == _TIME_HIGH)
+    times = np.concatenate([[high], highs[marks]])
+    times[1:] += high // _TIME_TURN * _TIME_TURN
+    times += _TIME_TURN * np.cumsum(np.diff(times, prepend=high) < -(_TIME_TURN // 2))
+    now = times[np.searchsorted(marks, np.arange(words.size), side="right")]
+    chosen = np.flatnonzero((kinds == _OFF) | (kinds == _ON))
+    word = words[chosen]
+    valid = np.unpackbits(
+        (word & np.uint64(0xFFFF_FFFF)).astype("<u4").view(np.uint8).reshape(-1, 4),
+        axis=1,
+        bitorder="little",
+    )
+    at, bit = np.nonzero(valid)
+    fields = (word >> np.uint64(32)).astype(np.int64)
+    t = (now[chosen] << 6) | ((fields >> 22) & 0x3F)
+    x = ((fields >> 11) & 0x7FF)[at] + bit
+    return Columns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), int(times[-1])

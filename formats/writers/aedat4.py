@@ -1,0 +1,140 @@
+"""AEDAT 4: events by faery; frames by dv-processing, put into the same file by faery.
+
+faery encodes events fast, but cannot make a frame; dv-processing makes frames, but takes events
+one at a time. So frames go to a file beside, and where there are any, both are merged at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import chain
+from pathlib import Path
+from typing import Any, ClassVar
+
+from emulator import ApsFrame
+from emulator.events import Events
+from formats.errors import MissingLibraryError
+from formats.writers.base import EventWriter
+from formats.writers.faery_events import for_faery
+
+PACKET = 10_000
+"""Events in a packet at most (as dv-processing packs them)."""
+
+_PATH = "/mainloop/Recorder/outInfo/"
+_STREAMS = {"events": "EVTS", "frames": "FRME"}
+_SOURCE = "flybench"
+
+
+class Aedat4Writer(EventWriter):
+    """Appends events, and APS frames with their 10 bits in pixels of 16."""
+
+    takes_frames: ClassVar[bool] = True
+
+    def _open(self, work: Path) -> None:
+        self._encoder: Any = None
+        self._frame_writer: Any = None
+        self._dv: Any = None
+        self._beside = [
+            work.with_name(f"{work.stem}.{name}{work.suffix}") for name in ("frames", "both")
+        ]
+        self._encoder = self._begin(work, ["events"])
+
+    def _begin(self, path: Path, names: list[str]) -> Any:
+        try:
+            from faery import aedat
+        except ImportError as error:
+            raise MissingLibraryError("faery", "AEDAT 4") from error
+        size = (self.width, self.height)
+        nodes = [_stream(aedat, i, name, size) for i, name in enumerate(names)]
+        node = aedat.DescriptionNode(name="outInfo", path=_PATH, attributes={}, nodes=nodes)
+        encoder = aedat.Encoder(path, [node], aedat.LZ4_FASTEST)
+        encoder.__enter__()
+        return encoder
+
+    def _write(self, events: Events) -> None:
+        for start in range(0, events.size, PACKET):
+            self._encoder.write(0, for_faery(events[start : start + PACKET]))
+
+    def _write_frame(self, frame: ApsFrame) -> None:
+        if self._frame_writer is None:
+            try:
+                import dv_processing
+            except ImportError as error:
+                raise MissingLibraryError("dv-processing", "AEDAT 4 with frames") from error
+            self._dv = dv_processing
+            config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
+            config.addFrameStream((self.width, self.height))
+            self._frame_writer = dv_processing.io.MonoCameraWriter(str(self._beside[0]), config)
+        source = self._dv.FrameSource.SENSOR
+        exposure_us = frame.end_us - frame.start_us
+        self._frame_writer.writeFrame(
+            self._dv.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
+        )
+
+    def _finish(self) -> None:
+        self._close(self._encoder)
+        self._encoder = None
+        if self._frame_writer is None:
+            return
+        self._frame_writer = None  # it writes its last at the end of its life
+        frames, both = self._beside
+        encoder = self._begin(both, ["events", "frames"])
+        try:
+            for stream, packet in _merged(self._work, frames):
+                encoder.write(stream, packet)
+        finally:
+            self._close(encoder)
+        both.replace(self._work)
+
+    def _abandon(self) -> None:
+        self._frame_writer = None
+        if self._encoder is not None:
+            with suppress(Exception):
+                self._close(self._encoder)
+        for path in self._beside:
+            path.unlink(missing_ok=True)
+
+    @staticmethod
+    def _close(encoder: Any) -> None:
+        encoder.__exit__(None, None, None)
+
+
+def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
+    """What the header says of one stream."""
+
+    def words(**values: str) -> dict[str, Any]:
+        return {key: aedat.DescriptionAttribute("string", value) for key, value in values.items()}
+
+    sides = {
+        key: aedat.DescriptionAttribute("int", side)
+        for key, side in zip(("sizeX", "sizeY"), size, strict=True)
+    }
+    path = f"{_PATH}{number}/"
+    info = aedat.DescriptionNode(
+        name="info", path=f"{path}info/", attributes=sides | words(source=_SOURCE), nodes=[]
+    )
+    attributes = words(
+        compression="LZ4",
+        originalModuleName=_SOURCE,
+        originalOutputName=name,
+        typeDescription=name,
+        typeIdentifier=_STREAMS[name],
+    )
+    return aedat.DescriptionNode(name=str(number), path=path, attributes=attributes, nodes=[info])
+
+
+def _merged(events: Path, frames: Path) -> Iterator[tuple[int, Any]]:
+    """Packets of both files in order of time; a frame's is the end of its exposure."""
+    from faery import aedat
+
+    with aedat.Decoder(events) as of_events, aedat.Decoder(frames) as of_frames:
+        images = (packet for track, packet in of_frames if track.data_type == "frame")
+        image = next(images, None)
+        for _, packet in of_events:
+            while image is not None and image.exposure_end_t <= packet["t"][-1]:
+                yield 1, image
+                image = next(images, None)
+            yield 0, packet
+        for late in chain(() if image is None else (image,), images):
+            yield 1, late

@@ -1,0 +1,89 @@
+"""Events as an HDF5 file in the layout of the DSEC data set (Gehrig et al. 2021)."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import numpy.typing as npt
+
+from emulator.events import Events
+from formats.errors import FormatError
+from formats.writers.base import EventWriter
+
+CHUNK = 1 << 16
+LATEST_US = 86_400_000_000
+"""Latest time, a day (assumed): its index has 86 million entries [µs]."""
+
+_DTYPES = {"t": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
+
+
+class DsecWriter(EventWriter):
+    """Appends events to `events/{t,x,y,p}`, compressed by gzip, with the index `ms_to_idx`."""
+
+    def _open(self, work: Path) -> None:
+        self._file = h5py.File(work, "w")
+        self._file.attrs["width"], self._file.attrs["height"] = self.width, self.height
+        group = self._file.create_group("events")
+        self._columns = {name: _column(group, name, dtype) for name, dtype in _DTYPES.items()}
+        self._file["t_offset"] = np.int64(0)
+        self._buffer: list[Events] = []
+        self._buffered = 0
+        self._index = _column(self._file, "ms_to_idx", np.uint64)
+
+    def _write(self, events: Events) -> None:
+        if int(events["t"][-1]) > LATEST_US:
+            raise FormatError(
+                f"{self.path}: an event is at {events['t'][-1]} µs; DSEC's index has an entry a "
+                f"millisecond, so times to {LATEST_US} µs are allowed; subtract the first time"
+            )
+        self._buffer.append(events)
+        self._buffered += events.size
+        if self._buffered >= CHUNK:
+            self._flush()
+
+    def _finish(self) -> None:
+        self._flush()
+        self._append(self._index, np.array([self._columns["t"].size]))
+        self._file.close()
+
+    def _abandon(self) -> None:
+        with suppress(AttributeError):
+            self._file.close()
+
+    def _flush(self) -> None:
+        if not self._buffer:
+            return
+        events = np.concatenate(self._buffer)
+        self._buffer, self._buffered = [], 0
+        self._extend_index(events["t"])
+        for name, column in self._columns.items():
+            self._append(column, events[name])
+
+    def _extend_index(self, t: npt.NDArray[np.int64]) -> None:
+        """Number of events before each millisecond that has begun by the last of these."""
+        before, end = self._columns["t"].size, int(t[-1]) // 1000 + 1
+        for first in range(self._index.size, end, CHUNK):
+            ms = np.arange(first, min(first + CHUNK, end))
+            self._append(self._index, before + np.searchsorted(t, ms * 1000))
+
+    @staticmethod
+    def _append(column: Any, values: npt.NDArray[Any]) -> None:
+        column.resize(column.size + values.size, axis=0)
+        column[-values.size :] = values
+
+
+def _column(group: Any, name: str, dtype: type) -> Any:
+    return group.create_dataset(
+        name,
+        (0,),
+        dtype,
+        maxshape=(None,),
+        chunks=(CHUNK,),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+    )

@@ -1,0 +1,58 @@
+"""Text: a line an event, as the event-camera data set of ECD (Mueggler et al. 2017), and CSV."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from pyarrow import csv
+
+from emulator.events import Events
+from formats.writers.base import EventWriter
+
+_SECONDS = pa.decimal128(38, 6)
+
+
+class TextWriter(EventWriter):
+    """`t x y p` with t in seconds to 6 decimals, under a line of the sensor's width and height."""
+
+    _separator = " "
+
+    def _open(self, work: Path) -> None:
+        self._file = work.open("wb")
+        self._file.write(self._first_line().encode())
+        self._options = csv.WriteOptions(include_header=False, delimiter=self._separator)
+
+    def _first_line(self) -> str:
+        return f"{self.width} {self.height}\n"
+
+    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> pa.Array:
+        words = np.stack([t_us, np.zeros_like(t_us)], axis=1)  # 128 bits, little-endian
+        return pa.Array.from_buffers(_SECONDS, t_us.size, [None, pa.py_buffer(words)])
+
+    def _write(self, events: Events) -> None:
+        columns = {name: pa.array(np.ascontiguousarray(events[name])) for name in "xy"}
+        p = pa.array(events["p"].astype(np.uint8))
+        table = pa.table({"t": self._time(np.ascontiguousarray(events["t"])), **columns, "p": p})
+        csv.write_csv(table, self._file, self._options)
+
+    def _finish(self) -> None:
+        self._file.close()
+
+    def _abandon(self) -> None:
+        with suppress(AttributeError):
+            self._file.close()
+
+
+class CsvWriter(TextWriter):
+    """`t,x,y,p` with t in µs, under a line of these names."""
+
+    _separator = ","
+
+    def _first_line(self) -> str:
+        return "t,x,y,p\n"
+
+    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> pa.Array:
+        return pa.array(t_us)

@@ -1,0 +1,319 @@
+"""Reading what others write."""
+
+import gzip
+import os
+import zlib
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from emulator.events import EVENT_DTYPE, check_events
+from formats import FormatError, open_events, read_events
+from formats.raw import RAW_DTYPE
+from tests.formats.samples import MAKERS, SIZE, hdf5, make, some_events, some_frames
+
+
+def test_the_parsers_events_are_ours() -> None:
+    assert RAW_DTYPE == EVENT_DTYPE
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_every_format_is_found_and_read_under_any_ending(tmp_path: Path, name: str) -> None:
+    events = some_events()
+    path = make(tmp_path, name, events).rename(tmp_path / "recording.xyz")
+    says_no_size = {"a.csv", "a.npy"}
+    size = SIZE if name in says_no_size else None
+    with open_events(path, size=size) as file:
+        chunks = list(file)
+        found = file.found
+    assert (file.width, file.height) == SIZE
+    assert file.size_from == ("the option" if size else "the file")
+    got = np.concatenate([chunk.events for chunk in chunks])
+    assert np.array_equal(got, events)
+    check_events(got, width=346, height=260)
+    assert (found.events, found.on) == (events.size, int(events["p"].sum()))
+    assert (found.first_us, found.last_us) == (events["t"][0], events["t"][-1])
+    assert found.rate_hz == pytest.approx(events.size / np.ptp(events["t"]) * 1e6)
+    assert (found.x_min, found.x_max) == (events["x"].min(), events["x"].max())
+    frames = [frame for chunk in chunks for frame in chunk.frames]
+    assert len(frames) == found.frames == (3 if name == "a.aedat4" else 0)
+    assert file.has_frames == bool(frames)
+    for frame, written in zip(frames, some_frames(), strict=False):
+        assert (frame.start_us, frame.end_us) == (written.start_us, written.end_us)
+        assert np.array_equal(frame.image, written.image)
+
+
+def test_a_frame_comes_with_the_events_that_reach_its_end(tmp_path: Path) -> None:
+    path = make(tmp_path, "a.aedat4", some_events(100_000, last_us=90_000))
+    with open_events(path) as file:
+        reached = -1
+        for chunk in file:
+            reached = max(reached, int(chunk.events["t"][-1]) if chunk.events.size else reached)
+            assert all(frame.end_us <= reached for frame in chunk.frames)
+
+
+E = some_events(200)
+SECONDS = E["t"] / 1e6
+METAVISION = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")])
+
+
+@pytest.mark.parametrize(
+    ("things", "where"),
+    [
+        ({f"events__{name}": E[name] for name in "txyp"}, "events"),
+        ({"events__ts": SECONDS, "events__ps": E["p"] * 2 - 1, "events__xs": E["x"],
+          "events__ys": E["y"]}, "events"),
+        ({f"prophesee__left__{name}": E[name] for name in "txyp"}
+         | {f"prophesee__right__{name}": E[name][:3] for name in "txyp"}
+         | {"prophesee__left__calib__resolution": [346, 260]}, "prophesee/left"),
+        ({"davis__left__events": np.stack([E["x"], E["y"], SECONDS + 1.5e9, E["p"] * 2.0 - 1], 1),
+          "davis__right__events": np.zeros((3, 4))}, "davis/left/events"),
+        ({"CD__events": E[["x", "y", "p", "t"]].astype(METAVISION)}, "CD/events"),
+    ],
+    ids=["DSEC", "e2vid", "M3ED", "MVSEC", "Metavision"],
+)  # fmt: skip
+def test_hdf5_of_the_common_data_sets(
+    tmp_path: Path, things: dict[str, object], where: str
+) -> None:
+    path = hdf5(tmp_path / "a.h5", **things)
+    with open_events(path) as file:
+        assert (file.width, file.height) == SIZE  # said, or nearly filled by the events
+        assert file.what_it_says["events in"] == where
+        got = np.concatenate([chunk.events for chunk in file])
+    if where.startswith("davis"):  # a wall clock, in doubles
+        assert file.origin_us == 1_500_000_000_000_000 + E["t"][0]
+        got["t"] += E["t"][0]
+    assert np.array_equal(got, E)
+
+
+def test_what_compresses_hdf5_is_named(tmp_path: Path) -> None:
+    space = h5py.h5s.create_simple((10,), (10,))
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_chunk((10,))
+    plist.set_filter(0x8ECF, h5py.h5z.FLAG_OPTIONAL)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        kind = h5py.h5t.py_create(METAVISION)
+        h5py.h5d.create(file.create_group("CD").id, b"events", kind, space, plist)
+    with pytest.raises(FormatError, match=r"ECF.*HDF5_PLUGIN_PATH"):
+        open_events(tmp_path / "a.h5")
+
+
+def test_blosc_is_read(tmp_path: Path) -> None:
+    import hdf5plugin
+
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name in "txyp":
+            file.create_dataset(
+                f"events/{name}", data=E[name], chunks=(64,), compression=hdf5plugin.Blosc()
+            )
+    assert np.array_equal(read_events(tmp_path / "a.h5", size=SIZE), E)
+
+
+@pytest.mark.parametrize(
+    ("text", "times"),
+    [
+        ("0.000003 10 20 1\n0.000007 11 21 0\n1.5 12 20 1\n", (3, 7, 1_500_000)),
+        ("346 260\n3 10 20 1\n7 11 21 0\n1500000 12 20 1\n", (3, 7, 1_500_000)),
+        ("10,20,1,3\n11,21,0,7\n12,20,1,1500000\n", (3, 7, 1_500_000)),
+        ("x;y;polarity;t_ms\n10;20;1;3\n11;21;-1;7\n12;20;1;15\n", (3000, 7000, 15000)),
+        ("# t x y p\n\n3\t10\t20\t1\r\n7\t 11 21 0\r\n\r\n9 12 20 1", (3, 7, 9)),
+        ("\ufefftime (µs),x,y,p\n3,10,20,1\n7,11,21,0\n9,12,20,1\n", (3, 7, 9)),
+        ('"timestamp [ns]","x","y","on"\n3000,10,20,1\n7000,11,21,0\n9000,12,20,1\n', (3, 7, 9)),
+    ],
+)
+def test_text_in_its_many_ways(tmp_path: Path, text: str, times: tuple[int, ...]) -> None:
+    path = tmp_path / "a.txt"
+    path.write_bytes(text.encode())
+    got = read_events(path, size=SIZE)
+    assert got["t"].tolist() == list(times)
+    assert got["x"].tolist() == [10, 11, 12]
+    assert got["y"].tolist() == [20, 21, 20]
+    assert got["p"].tolist() == [True, False, True]
+
+
+def test_the_user_knows_better(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("10 20 1 3\n11 21 0 7\n")
+    assert read_events(path, size=(40, 30), format="text", time_unit="ms")["t"].tolist() == [
+        3000,
+        7000,
+    ]
+
+
+def test_dvs128_addresses_are_turned_round_as_jaer_does(tmp_path: Path) -> None:
+    path = tmp_path / "a.aedat"
+    address = (100 << 8) | (3 << 1) | 0
+    records = np.array([(address, 5), (address | 1, 2**32 - 1), (address, 4)], ">u4,>u4")
+    path.write_bytes(b"#!AER-DAT2.0\r\n# AEChip: ch.unizh.ini.DVS128\r\n" + records.tobytes())
+    with open_events(path) as file:
+        assert (file.width, file.height) == (128, 128)
+        got = np.concatenate([chunk.events for chunk in file])
+    assert got["x"].tolist() == [124] * 3
+    assert got["y"].tolist() == [27] * 3
+    assert got["p"].tolist() == [True, False, True]
+    assert got["t"].tolist() == [5, 2**32 - 1, 2**32 + 4]  # its 32 bits turned over
+
+
+def test_halves_of_evt21_may_be_swapped(tmp_path: Path) -> None:
+    path = make(tmp_path, "evt21.raw", E)
+    header, data = path.read_bytes().split(b"% end\n")
+    swapped = np.frombuffer(data, "<u4").reshape(-1, 2)[:, ::-1].tobytes()
+    path.write_bytes(header + b"% end\n" + swapped)
+    assert np.array_equal(read_events(path), E)
+
+
+def test_a_file_is_read_once(tmp_path: Path) -> None:
+    with open_events(make(tmp_path, "a.txt", E)) as file:
+        assert sum(chunk.events.size for chunk in file) == E.size
+        with pytest.raises(FormatError, match="open it again"):
+            next(iter(file))
+
+
+def test_memory_does_not_grow_with_the_file(tmp_path: Path) -> None:
+    path = make(tmp_path, "a.npy", np.zeros(5_000_000, EVENT_DTYPE))
+    with open_events(path, size=SIZE) as file:
+        worker = file._guard._process.pid
+        most = longest = 0
+        for chunk in file:
+            status = Path(f"/proc/{worker}/status")
+            text = status.read_text() if status.exists() else ""
+            most = max(
+                [most, *(int(line.split()[1]) for line in text.splitlines() if "VmRSS" in line)]
+            )
+            longest = max(longest, chunk.events.size)
+        assert file.found.events == 5_000_000
+    assert longest <= 1 << 18
+    assert most < 150_000  # kB; the file has 65 MB, an idle worker about 60
+
+
+def saved(path: Path, array: np.ndarray) -> None:
+    with path.open("wb") as file:
+        np.save(file, array)
+
+
+@pytest.mark.parametrize(
+    ("make_it", "says"),
+    [
+        (lambda _: None, "does not exist"),
+        (lambda p: p.mkdir(), "is a folder"),
+        (lambda p: p.touch(), "is empty"),
+        (lambda p: os.mkfifo(p), "no ordinary file"),
+        (lambda p: p.write_bytes(bytes(range(200, 256)) * 9), "none of the formats"),
+        (lambda p: p.write_bytes(gzip.compress(b"3 1 1 1")), "gunzip"),
+        (lambda p: p.write_bytes(b"#!AER-DAT1.0\r\n"), "convert it"),
+        (lambda p: p.write_text("no events here"), "no line of numbers"),
+        (lambda p: p.write_text("1 2 3\n4 5 6\n"), "3 columns"),
+        (lambda p: p.write_text("t,x,y\n1,2,3,4\n"), "name t, x, y and p"),
+        (lambda p: p.write_text("t,x,y,p\n"), "holds no events"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 x 1\n"), "line at byte 8 is '2 2 x 1'"),
+        (lambda p: p.write_bytes(b"1 2 3 1\n2 2 \xff 1\n"), "line at byte 8"),
+        (lambda p: p.write_bytes(b"% evt 3.0\n% end\n\0\x80"), "size; give it with --size"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 3"), "may have been cut"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 3 1\n1 2 3 1\n"), "event 2 has the time 1 µs"),
+        (lambda p: p.write_text("9 9\n1 2 3 1\n2 10 3 1\n"), "x = 10.0; allowed is 0 to 8"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 3 7\n"), "p = 7.0"),
+        (lambda p: p.write_text("1 2.5 3 1\n2 2 3 1\n"), "not whole"),
+        (lambda p: p.write_text("nan 2 3 1\n2 2 3 1\n"), "nan 2 3 1"),
+        (lambda p: p.write_text("99999999999999999999 2 3 1\n"), "no number of us"),
+        (lambda p: saved(p, np.zeros((3, 5))), "4 a row"),
+        (lambda p: saved(p, np.array([None])), "Python objects"),
+        (lambda p: hdf5(p, images=np.zeros(3)), "holds no events"),
+        (lambda p: hdf5(p, t=[1, 2], x=[1, 2], y=[1, 2], p=[1]), "must be as many"),
+    ],
+)  # fmt: skip
+def test_bad_files_are_one_sentence(tmp_path: Path, make_it: object, says: str) -> None:
+    path = tmp_path / "bad"
+    make_it(path)  # type: ignore[operator]
+    with pytest.raises(FormatError, match=says) as caught:
+        read_events(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def two_gigabytes_of_nothing() -> bytes:
+    packer = zlib.compressobj(1)
+    first, more = (
+        packer.compress(bytes(1 << 24)) + packer.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
+    )
+    return first + 127 * more + packer.flush()
+
+
+def test_promises_of_gigabytes_are_not_kept(tmp_path: Path) -> None:
+    nothing = two_gigabytes_of_nothing()
+    header = np.lib.format.magic(1, 0)
+    text = b"{'descr': '<i8', 'fortran_order': False, 'shape': (10000000000, 4), }\n"
+    (tmp_path / "a.npy").write_bytes(header + len(text).to_bytes(2, "little") + text)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name in "txyp":
+            file.create_dataset(f"events/{name}", (10**12,), "i8", chunks=(1 << 20,))
+    aedat4 = make(tmp_path, "a.aedat4", E).read_bytes()
+    packet = 18 + int.from_bytes(aedat4[14:18], "little")
+    grown = aedat4[: packet + 4] + (2**31 - 1).to_bytes(4, "little") + aedat4[packet + 8 :]
+    (tmp_path / "a.aedat4").write_bytes(grown)
+    text = text.replace(b"(10000000000, 4)", b"(-1, 4)        ")
+    (tmp_path / "b.npy").write_bytes(header + len(text).to_bytes(2, "little") + text)
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        for name in "txyp":
+            data = file.create_dataset(
+                f"events/{name}", (1 << 28,), "i8", chunks=(1 << 28,), compression="gzip"
+            )
+            data.id.write_direct_chunk((0,), nothing)
+    for name, says in (
+        ("b.npy", "promises -32 bytes"),
+        ("b.h5", "damaged in events|more than 1 GB"),
+        ("a.npy", "promises 320000000000 bytes"),
+        ("a.h5", "promises 1000000000000 events"),
+        ("a.aedat4", f"packet at byte {packet}"),
+    ):
+        with pytest.raises(FormatError, match=says):
+            read_events(tmp_path / name)
+
+
+def test_wrong_options_are_refused(tmp_path: Path) -> None:
+    path = make(tmp_path, "a.txt", E)
+    for options, says in (
+        ({"format": "aedat5"}, "allowed is one of aedat4"),
+        ({"size": (0, 5)}, "0x5"),
+        ({"time_unit": "min"}, "allowed is s, ms, us, ns"),
+        ({"format": "hdf5"}, "cut or damaged"),
+    ):
+        with pytest.raises(FormatError, match=says):
+            read_events(path, **options)
+
+
+def test_a_missing_library_is_named_with_its_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = make(tmp_path, "evt3.raw", E)
+    (tmp_path / "without").mkdir()
+    (tmp_path / "without" / "faery.py").write_text("raise ImportError('not here')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "without"))
+    with pytest.raises(FormatError, match=r"pip install 'flybench\[formats\]'"):
+        read_events(path)
+
+
+def test_a_davis_as_dv_records_it(tmp_path: Path) -> None:
+    import dv_processing as dv
+
+    clock_us, events = 1_700_000_000_000_000, some_events()
+    config = dv.io.MonoCameraWriter.DAVISConfig("DAVIS346_00000001", SIZE)  # motion, triggers too
+    writer = dv.io.MonoCameraWriter(str(tmp_path / "dv.aedat4"), config)
+    store = dv.EventStore()
+    for t, x, y, p in events.tolist():
+        store.push_back(clock_us + t, x, y, p)
+    writer.writeEvents(store)
+    image = np.arange(260 * 346).reshape(260, 346).astype(np.uint8)
+    for start_us in (0, 40_000):
+        writer.writeFrame(dv.Frame(clock_us + start_us, 9_000, 0, 0, image, dv.FrameSource.SENSOR))
+    del writer
+    with open_events(tmp_path / "dv.aedat4") as file:
+        chunks = list(file)
+    first_us = int(events["t"][0])
+    assert file.origin_us == clock_us + first_us
+    assert (file.width, file.height) == SIZE
+    assert np.array_equal(chunks[0].events["t"], events["t"] - first_us)
+    (frame,) = (frame for chunk in chunks for frame in chunk.frames)  # one began too early
+    assert (frame.start_us, frame.end_us) == (40_000 - first_us, 49_000 - first_us)
+    assert np.array_equal(frame.image, image.astype(np.uint16) * 4)

@@ -1,0 +1,257 @@
+"""Writing, read back by ourselves and by libraries that did not write it."""
+
+from pathlib import Path
+
+import aedat
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from emulator import ApsFrame
+from emulator.events import EVENT_DTYPE, Events
+from formats import (
+    ENDINGS,
+    Chunk,
+    FormatError,
+    MissingLibraryError,
+    open_events,
+    open_writer,
+    read_events,
+    write_events,
+)
+from tests.formats.samples import SIZE, some_events, some_frames
+
+W, H = SIZE
+ALL = sorted(ENDINGS)
+FAERY = np.dtype([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
+
+
+def of_aedat(path: Path) -> Events:
+    packets = [packet["events"] for packet in aedat.Decoder(path) if "events" in packet]
+    theirs = np.concatenate(packets)
+    events = np.zeros(theirs.size, EVENT_DTYPE)
+    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[ours] = theirs[name]
+    return events
+
+
+def of_h5py(path: Path) -> Events:
+    with h5py.File(path) as file:
+        events = np.zeros(file["events/t"].size, EVENT_DTYPE)
+        for name in "txyp":
+            events[name] = file["events"][name][:]
+        index = file["ms_to_idx"][:]
+        assert np.array_equal(index, np.searchsorted(events["t"], np.arange(index.size) * 1000))
+        assert index[-1] == events.size
+        assert (file.attrs["width"], file.attrs["height"]) == SIZE
+    return events
+
+
+def of_faery(path: Path) -> Events:
+    from faery.extension import evt
+
+    with evt.Decoder(path, None, None) as decoder:
+        assert (decoder.version, decoder.dimensions) == ("evt3", SIZE)
+        packets = [packet["events"] for packet in decoder if "events" in packet]
+    theirs = np.concatenate([np.zeros(0, FAERY), *packets])
+    events = np.zeros(theirs.size, EVENT_DTYPE)
+    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[ours] = theirs[name]
+    return events
+
+
+def of_loadtxt(path: Path) -> Events:
+    in_seconds = path.suffix == ".txt"
+    table = np.loadtxt(path, delimiter=None if in_seconds else ",", skiprows=1)
+    events = np.zeros(len(table), EVENT_DTYPE)
+    events["t"] = np.rint(table[:, 0] * (1e6 if in_seconds else 1))
+    events["x"], events["y"], events["p"] = table[:, 1:].T
+    return events
+
+
+def of_numpy(path: Path) -> Events:
+    with np.load(path) as arrays:
+        assert (arrays["width"], arrays["height"]) == SIZE
+        events = np.zeros(arrays["t"].size, EVENT_DTYPE)
+        for name in "txyp":
+            events[name] = arrays[name]
+    return events
+
+
+OTHERS = {
+    ".aedat4": of_aedat,
+    ".h5": of_h5py,
+    ".raw": of_faery,
+    ".txt": of_loadtxt,
+    ".csv": of_loadtxt,
+    ".npz": of_numpy,
+}
+
+
+@pytest.mark.parametrize("ending", OTHERS)
+def test_a_second_library_reads_the_same(tmp_path: Path, ending: str) -> None:
+    path, events = tmp_path / f"a{ending}", some_events(5000, last_us=40_000_000)
+    write_events(path, np.split(events, [0, 1, 700, 4000]), width=W, height=H)
+    assert np.array_equal(OTHERS[ending](path), events)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_a_second_library_reads_the_frames(tmp_path: Path) -> None:
+    path = tmp_path / "a.aedat4"
+    chunks = [
+        Chunk(some_events(), tuple(some_frames()[:1])),
+        Chunk(some_events(0), tuple(some_frames()[1:])),
+    ]
+    write_events(path, chunks, width=W, height=H)
+    assert np.array_equal(of_aedat(path), some_events())
+    theirs = [packet["frame"] for packet in aedat.Decoder(path) if "frame" in packet]
+    for frame, other in zip(some_frames(), theirs, strict=True):
+        assert (frame.start_us, frame.end_us) == (
+            other["exposure_begin_t"],
+            other["exposure_end_t"],
+        )
+        assert np.array_equal(frame.image, other["pixels"])
+    import dv_processing
+
+    recording = dv_processing.io.MonoCameraRecording(str(path))
+    assert tuple(recording.getEventResolution()) == SIZE
+    assert np.array_equal(recording.getNextFrame().image, some_frames()[0].image)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@settings(max_examples=5, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    ending=st.sampled_from(ALL),
+    steps=st.lists(st.sampled_from([0, 1, 4095, 4096, 16_777_215, 50_331_648]), max_size=8),
+    cuts=st.lists(st.integers(0, 8), max_size=3).map(sorted),
+)
+def test_round_trip(tmp_path: Path, ending: str, steps: list[int], cuts: list[int]) -> None:
+    path, events = tmp_path / f"a{ending}", some_events(len(steps))
+    events["t"] = np.cumsum(steps)
+    write_events(path, np.split(events, cuts), width=W, height=H)
+    assert np.array_equal(read_events(path, size=SIZE), events)
+
+
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    times=st.lists(st.integers(0, 20_000), max_size=200).map(sorted),
+    cuts=st.lists(st.integers(0, 200), max_size=5).map(sorted),
+)
+def test_dsec_and_its_index(tmp_path: Path, times: list[int], cuts: list[int]) -> None:
+    path, events = tmp_path / "a.h5", some_events(len(times))
+    events["t"] = times
+    write_events(path, np.split(events, cuts), width=W, height=H)
+    assert np.array_equal(of_h5py(path), events)  # which compares the index
+
+
+@pytest.mark.parametrize("last_us", [3, 16_777_215, 20_000_000, 200_000_000, 5_000_000_000])
+def test_evt3_clock_turns(tmp_path: Path, last_us: int) -> None:
+    path, events = tmp_path / "a.raw", some_events(2)
+    events["t"] = 0, last_us
+    write_events(path, [events], width=W, height=H)
+    assert np.array_equal(read_events(path), events)
+
+
+def fail_midway(path: Path) -> None:
+    with open_writer(path, width=W, height=H) as writer:
+        writer.write(some_events())
+        if writer.takes_frames:
+            writer.write_frame(some_frames()[0])
+        raise ZeroDivisionError
+
+
+@pytest.mark.parametrize("ending", ALL)
+def test_whole_or_absent(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(b"before")
+    with pytest.raises(ZeroDivisionError):
+        fail_midway(path)
+    assert path.read_bytes() == b"before"
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    steps=st.lists(
+        st.sampled_from([0, 1, 4095, 4096, 65_535, 65_536, 8_388_608, 16_777_215, 16_777_216])
+        | st.integers(0, 60_000_000),
+        max_size=20,
+    ),
+    cuts=st.lists(st.integers(0, 20), max_size=3).map(sorted),
+)
+def test_evt3_keeps_every_time(tmp_path: Path, steps: list[int], cuts: list[int]) -> None:
+    path, events = tmp_path / "a.raw", some_events(len(steps))
+    events["t"] = np.cumsum(steps)
+    write_events(path, np.split(events, cuts), width=W, height=H)
+    assert np.array_equal(of_faery(path), events)
+
+
+@pytest.mark.parametrize("ending", ALL)
+def test_a_recording_without_events(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"a{ending}"
+    write_events(path, [], width=W, height=H)
+    with open_events(path, size=SIZE) as file:
+        assert [chunk.events.size for chunk in file] == []
+        assert file.found.rate_hz == file.found.on_share == 0
+
+
+def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
+    for name, size, says in (
+        ("a.mp4", SIZE, "ends in .mp4; allowed is .aedat4"),
+        ("nowhere/a.txt", SIZE, "there is no folder"),
+        ("a.raw", (2049, 5), "1 to 2048"),
+        ("a.h5", (0, 5), "0x5"),
+    ):
+        with pytest.raises(FormatError, match=says):
+            open_writer(tmp_path / name, width=size[0], height=size[1])
+    with pytest.raises(FormatError, match="is a folder"):
+        open_writer(tmp_path, width=W, height=H, format="text")
+    with pytest.raises(FormatError, match="allowed is one of aedat4"):
+        open_writer(tmp_path / "a", width=W, height=H, format="bag")
+    with open_writer(tmp_path / "a.h5", width=W, height=H) as writer:
+        writer.write(some_events())
+        with pytest.raises(FormatError, match="comes after"):
+            writer.write(some_events())
+        with pytest.raises(FormatError, match="cannot hold frames"):
+            writer.write_frame(some_frames()[0])
+        bad = some_events(1)
+        bad["x"] = 346
+        with pytest.raises(FormatError, match="x = 346"):
+            writer.write(bad)
+        late = some_events(1)
+        late["t"] = 10**11
+        with pytest.raises(FormatError, match="subtract the first time"):
+            writer.write(late)
+    with open_writer(tmp_path / "a.aedat4", width=W, height=H) as writer:
+        small = ApsFrame(start_us=0, end_us=1, image=np.zeros((4, 5), np.uint16))
+        with pytest.raises(FormatError, match="a frame has 5x4"):
+            writer.write_frame(small)
+
+
+def write_to_a_full_disk(path: Path) -> None:
+    with (
+        open_writer(path, width=W, height=H) as writer,
+        Path("/dev/full").open("wb", buffering=0) as full,
+    ):
+        spools = writer._spools  # type: ignore[attr-defined]
+        spools["t"].close()
+        spools["t"] = full
+        writer.write(some_events())
+
+
+def test_no_permission_and_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(FormatError, match="allows it not"):
+        open_writer(tmp_path / "a.txt", width=W, height=H)
+    monkeypatch.undo()
+    with pytest.raises(FormatError, match="No space left"):
+        write_to_a_full_disk(tmp_path / "a.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "faery", None)
+    with pytest.raises(MissingLibraryError, match=r"faery.*pip install"):
+        open_writer(tmp_path / "a.aedat4", width=W, height=H)
