@@ -54,17 +54,26 @@ class _Known:
         return np.array([self._known[key] for key in keys])
 
 
-def search_cold(reward_at: RewardAt, *, window_s: float, limit_px_s: float) -> Candidate:
+def search_cold(
+    reward_at: RewardAt,
+    *,
+    window_s: float,
+    limit_px_s: float,
+    survey_at: RewardAt | None = None,
+) -> Candidate:
     """Highest reward among all velocities up to a limit.
 
     Args:
         reward_at: the reward of candidates.
         window_s: T, span of the events [s].
         limit_px_s: highest speed looked for [px/s].
+        survey_at: the same by a part of the events, for the first look all over; None: by all.
     """
     step, reward_at = _COARSEST_PX / window_s, _Known(reward_at)
     grid = disc(limit_px_s, step)
-    best = _peaks(grid, reward_at(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0])
+    best = _peaks(
+        grid, (survey_at or reward_at)(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0]
+    )
     scale = _COARSEST_PX
     for kept in _KEPT[1:]:
         scale, step = scale / 2, step / 2

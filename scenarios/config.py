@@ -66,12 +66,13 @@ class RunConfig:
 
     def parameters(self) -> dict[str, object]:
         """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""
-        return dict(_flat(asdict(self) | {"crossing": self.crossing.resolved()}))
+        return dict(flat(asdict(self) | {"crossing": self.crossing.resolved()}))
 
 
-def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
+def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Values of nested dictionaries by their dotted names."""
     for name, value in values.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
+            yield from flat(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value

@@ -1,7 +1,7 @@
 """`flybench converge`: how finely a scene must be drawn for its events to be right.
 
 A short piece of a crossing is drawn in full at several supersamplings and steps, and from
-keyframes at several spacings; an ideal sensor turns each into events, which are held against
+keyframes at several spacings; a sensor without noise turns each into events, which are held against
 those of the finest drawing. The defaults of `CrossingConfig` come from this table.
 """
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import tyro
@@ -20,29 +20,50 @@ from rich.table import Table
 
 from emulator import Davis346, SensorConfig
 from emulator.events import Events
+from scenarios.distractor_options import DistractorOptions
 from scenarios.errors import ScenarioError
 from scenarios.matching import WITHIN_US, match
 from scenarios.output import check_output, whole_folder, write_summary
 from scenarios.summary import versions
 from scenarios.tables import write_table
 from scenarios.terminal import progress_bar, script
-from sim import Crossing, CrossingConfig, Lighting
+from sim import Crossing, CrossingConfig, Direction, Lighting, VehicleKind
 from sim.renderer import Luminance
 
-SENSOR = replace(SensorConfig.ideal(), theta_on=0.2, theta_off=0.2)
-"""No noise, no bandwidth limit, no mismatch: what differs is the drawing's."""
-FINEST = "full", 6, 0.1, 0.0
+SENSOR = replace(SensorConfig.ideal(), theta_on=0.2, theta_off=0.2, theta_mismatch=0.035)
+"""No noise, no bandwidth limit, and the same thresholds for every drawing: what differs is the
+drawing's. The pixels' thresholds differ as those of a DAVIS do (Brandli 2014), since a long even
+edge would otherwise cross one and the same threshold everywhere or nowhere."""
+
+
+class Drawing(NamedTuple):
+    """A way to draw a piece.
+
+    Attributes:
+        kind: "full" or "keyframes".
+        supersample: rendered pixels per sensor pixel and axis.
+        step_px: motion of the vehicle from one sample to the next [px].
+        spacing_px: and from one keyframe to the next [px]; 0 in full.
+    """
+
+    kind: str
+    supersample: int
+    step_px: float
+    spacing_px: float = 0.0
+
+
+FINEST = Drawing("full", 6, 0.1)
 """Finer than anything that it is compared with."""
-FULL = tuple(("full", size, step, 0.0) for size in (1, 2, 4) for step in (1.0, 0.5, 0.25, 0.1))
+FULL = tuple(Drawing("full", size, step) for size in (1, 2, 4) for step in (1.0, 0.5, 0.25, 0.1))
 KEYED = tuple(
-    ("keyframes", size, step, spacing)
+    Drawing("keyframes", size, step, spacing)
     for size in (2, 3, 4)
     for step in (1.0, 0.5, 0.25)
     for spacing in (8.0, 16.0, 32.0, 64.0)
     if step == 0.5 or spacing == 32.0
 )
 BEFORE_MIDDLE_S = 0.06
-"""The piece begins this long before closest approach, away from a keyframe by chance only."""
+"""The piece begins this long before closest approach, so that it is not symmetric."""
 COLUMNS = (
     "lighting",
     "drawing",
@@ -55,16 +76,22 @@ COLUMNS = (
     *(f"real_within_{limit}us" for limit in WITHIN_US),
     "median_us",
 )
-Way = tuple[str, int, float, float]
-"""Full or keyframes, supersampling, step [px], spacing of the keyframes [px]."""
 
 
 @dataclass(frozen=True)
 class Converge:
     """Draw a short piece at many finenesses, and say how its events approach the finest's."""
 
-    lighting: Literal["day", "night", "both"] = "both"
-    """Sun and sky, or street lamps and headlights, or one after the other."""
+    lighting: Literal["day", "dusk", "night", "both"] = "both"
+    """Sun and sky, or street lamps and headlights, or dusk; both: day, then night."""
+    vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
+    """What drives."""
+    direction: Literal["right", "left", "up", "down"] = "right"
+    """Where it goes in the image."""
+    distractors: tyro.conf.EnumChoicesFromValues[DistractorOptions] = field(
+        default_factory=DistractorOptions
+    )
+    """What else moves or flickers."""
     piece_px: float = 3.0
     """Length of the piece, in motion of the vehicle [px]."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
@@ -84,7 +111,7 @@ class Converge:
             for lighting in lightings:
                 advance = progress.track(lighting)
                 ways = (FINEST, *FULL, *KEYED)
-                config = CrossingConfig(lighting=Lighting(lighting))
+                config = self._config(Lighting(lighting))
                 for k, row in enumerate(converge(config, self.piece_px, ways)):
                     rows.append((lighting, *row))
                     advance(k + 1, len(ways))
@@ -100,9 +127,17 @@ class Converge:
             print(f"wrote {self.out}")
         return 0
 
+    def _config(self, lighting: Lighting) -> CrossingConfig:
+        return CrossingConfig(
+            lighting=lighting,
+            vehicle=VehicleKind(self.vehicle),
+            direction=Direction(self.direction),
+            distractors=self.distractors.checked(),
+        )
+
 
 def converge(
-    config: CrossingConfig, piece_px: float, ways: Iterable[Way]
+    config: CrossingConfig, piece_px: float, ways: Iterable[Drawing]
 ) -> Iterator[tuple[Any, ...]]:
     """Draw a piece of a crossing in several ways; the first is the reference.
 
@@ -128,7 +163,7 @@ def converge(
         )
 
 
-def piece_events(config: CrossingConfig, piece_px: float, way: Way) -> tuple[Events, float]:
+def piece_events(config: CrossingConfig, piece_px: float, way: Drawing) -> tuple[Events, float]:
     """Events of a piece around closest approach drawn in one way, and its cost.
 
     Args:
@@ -144,26 +179,54 @@ def piece_events(config: CrossingConfig, piece_px: float, way: Way) -> tuple[Eve
         replace(config, supersample=supersample, keyframe_px=spacing_px or config.keyframe_px)
     )
     times_us = piece_times_us(crossing, piece_px, step_px)
-    sensor, found, cpu_s = Davis346(SENSOR, seed=0), [], 0.0
     frames = full_frames(crossing, times_us) if kind == "full" else keyed_frames(crossing, times_us)
-    next_us, luminance = next(frames)
-    sensor.step(next_us, luminance)
-    start_s = time.process_time()
-    for t_us, luminance in frames:
-        cpu_s += time.process_time() - start_s
-        found.append(sensor.step(t_us, luminance).events)
-        start_s = time.process_time()
-    return np.concatenate(found), 1e3 * cpu_s / len(found)
+    clock = Clock(frames)
+    events = events_of(clock)
+    return events, 1e3 * clock.spent_s / max(len(times_us) - 1, 1)
+
+
+class Clock:
+    """Frames as they come, and the CPU time that they take but for the first.
+
+    Attributes:
+        spent_s: so far [s].
+    """
+
+    def __init__(self, frames: Iterator[tuple[int, Luminance]]) -> None:
+        self._frames = frames
+        self.spent_s = 0.0
+
+    def __iter__(self) -> Iterator[tuple[int, Luminance]]:
+        """Hand the frames on."""
+        yield next(self._frames)
+        while True:
+            start_s = time.process_time()
+            frame = next(self._frames, None)
+            if frame is None:
+                return
+            self.spent_s += time.process_time() - start_s
+            yield frame
+
+
+def events_of(frames: Iterable[tuple[int, Luminance]]) -> Events:
+    """Events of a sensor that has adapted to the first of the frames."""
+    sensor = Davis346(SENSOR, seed=0)
+    found = [sensor.step(t_us, luminance).events for t_us, luminance in frames]
+    return np.concatenate(found[1:])
 
 
 def piece_times_us(crossing: Crossing, piece_px: float, step_px: float) -> list[int]:
     """Times of samples `step_px` apart, in motion of the target's flank [µs]."""
-    scene = crossing.scene
-    speed = scene.trajectory.speed_m_s(0.0) / crossing.config.distance
-    px_s = crossing.intrinsics.focal_px * speed
+    px_s = target_px_s(crossing)
     first_us = crossing.duration_us // 2 - round(BEFORE_MIDDLE_S * 1e6)
     steps = round(piece_px / step_px)
     return [first_us + round(1e6 * k * step_px / px_s) for k in range(steps + 1)]
+
+
+def target_px_s(crossing: Crossing) -> float:
+    """Image speed of the target's flank at closest approach [px/s]."""
+    speed_m_s = crossing.scene.trajectory.speed_m_s(0.0)
+    return crossing.intrinsics.focal_px * speed_m_s / crossing.config.distance
 
 
 def full_frames(crossing: Crossing, times_us: list[int]) -> Iterator[tuple[int, Luminance]]:
@@ -174,10 +237,18 @@ def full_frames(crossing: Crossing, times_us: list[int]) -> Iterator[tuple[int, 
 
 
 def keyed_frames(crossing: Crossing, times_us: list[int]) -> Iterator[tuple[int, Luminance]]:
-    """The same times from keyframes that the whole crossing plans."""
-    with crossing.from_keyframes(crossing.times_us()) as draw:
+    """The same times from keyframes, half way between two: where they are worst."""
+    with crossing.from_keyframes(between_keyframes_us(crossing, times_us)) as draw:
         for t_us in times_us:
             yield t_us, draw(t_us).luminance
+
+
+def between_keyframes_us(crossing: Crossing, times_us: list[int]) -> list[int]:
+    """Times, with one before and one after that are keyframes' and as far away from the middle."""
+    middle_us = (times_us[0] + times_us[-1]) / 2
+    off_us = 1e6 * crossing.config.keyframe_px / 2 / target_px_s(crossing)
+    first, last = (round(middle_us + side * off_us) for side in (-1, 1))
+    return [min(first, times_us[0] - 1), *times_us, max(last, times_us[-1] + 1)]
 
 
 def print_rows(rows: list[tuple[Any, ...]]) -> None:

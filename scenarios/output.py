@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,12 @@ FILES = frozenset({RECORDING, EVENTS, TRUTH, ESTIMATES, SUMMARY})
 GENERATOR = "flybench"
 
 
-def check_output(folder: Path) -> None:
+def check_output(folder: Path, is_ours: Callable[[Path], bool] | None = None) -> None:
     """Refuse an output folder that is somebody else's, before any work is done.
+
+    Args:
+        folder: to be written.
+        is_ours: whether what is in a folder may be replaced; None: an earlier run's may.
 
     Raises:
         OutputError: it exists and holds anything but an earlier run, or cannot be made.
@@ -40,7 +44,7 @@ def check_output(folder: Path) -> None:
             f"the output folder {folder} cannot be made, since {parent} cannot be written to; "
             "choose another with --out"
         )
-    if folder.exists() and not _is_ours(folder):
+    if folder.exists() and not (is_ours or _is_ours)(folder):
         raise OutputError(
             f"the output folder {folder} exists and holds what was not written by flybench; "
             "allowed is a new folder, an empty one or one of an earlier run; choose another with "

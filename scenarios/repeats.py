@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
 from detector.estimate import MotionEstimate
 from emulator import Davis346
@@ -10,7 +11,65 @@ from scenarios.config import RunConfig
 from scenarios.judgement import Track
 from scenarios.methods import read
 from scenarios.pipeline import make_detector, note
+from scenarios.summary import EventTally
 from sim import Sample
+
+
+@dataclass
+class Seen:
+    """What one run saw and said.
+
+    Attributes:
+        tally: its sensor's events.
+        estimates: all that its detector said.
+    """
+
+    tally: EventTally
+    estimates: list[MotionEstimate] = field(default_factory=list)
+
+
+def run_side_by_side(
+    configs: Sequence[RunConfig],
+    samples: Iterable[Sample],
+    progress: Callable[[int], None] = lambda _t_us: None,
+) -> tuple[list[Seen], Track]:
+    """Show the same light to the sensor and the detector of every run, all side by side.
+
+    No more than one sample is held, so that a rendering, a cache or drawn light will do alike.
+    Runs whose sensors are the same, with the same seed, share one.
+
+    Args:
+        configs: runs, whose crossings are not looked at.
+        samples: the light, in order of time.
+        progress: told the time reached [µs].
+
+    Returns:
+        What each run saw, and where the target was.
+    """
+    sensors = {(c.sensor, c.seed): Davis346(c.sensor, seed=c.seed) for c in configs}
+    tallies = {key: EventTally() for key in sensors}
+    seen = [Seen(tallies[c.sensor, c.seed]) for c in configs]
+    detectors = [make_detector(config) for config in configs]
+    track = Track()
+    for sample in samples:
+        note(track, sample.truth)
+        outputs = {
+            key: sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
+            for key, sensor in sensors.items()
+        }
+        for key, output in outputs.items():
+            tallies[key].add(output)
+        for config, detector, one in zip(configs, detectors, seen, strict=True):
+            output = outputs[config.sensor, config.seed]
+            one.estimates += read(
+                detector,
+                output.events,
+                until_us=sample.t_us + 1,
+                frames=output.aps_frames,
+                said=one.estimates,
+            )
+        progress(sample.t_us)
+    return seen, track
 
 
 def run_repeats(
@@ -19,9 +78,7 @@ def run_repeats(
     seeds: Sequence[int],
     progress: Callable[[int], None] = lambda _t_us: None,
 ) -> tuple[list[list[MotionEstimate]], Track]:
-    """Show the same light to one sensor and one detector a seed, all side by side.
-
-    No more than one sample is held, so that a rendering, a cache or drawn light will do alike.
+    """Show the same light to one sensor and one detector a seed; see `run_side_by_side`.
 
     Args:
         config: sensor and detector; its own seed is not used.
@@ -32,17 +89,6 @@ def run_repeats(
     Returns:
         Estimates by seed, and where the target was.
     """
-    sensors = [Davis346(config.sensor, seed=seed) for seed in seeds]
-    detectors = [make_detector(config) for _ in seeds]
-    estimates: list[list[MotionEstimate]] = [[] for _ in seeds]
-    track = Track()
-    for sample in samples:
-        note(track, sample.truth)
-        for sensor, detector, said in zip(sensors, detectors, estimates, strict=True):
-            output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
-            until_us = sample.t_us + 1
-            said += read(
-                detector, output.events, until_us=until_us, frames=output.aps_frames, said=said
-            )
-        progress(sample.t_us)
-    return estimates, track
+    runs = [replace(config, seed=seed) for seed in seeds]
+    seen, track = run_side_by_side(runs, samples, progress)
+    return [one.estimates for one in seen], track

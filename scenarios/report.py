@@ -50,7 +50,8 @@ def view_command(folder: Path) -> str:
 
 
 def _rows(summary: dict[str, Any]) -> dict[str, str]:
-    parts = _truth(summary["truth"]), _events(summary), _detector(summary["detector"])
+    own, *rivals = summary.get("detectors", [summary["detector"]])
+    parts = _truth(summary["truth"]), _events(summary), _detector(own), _rivals(rivals)
     light = {"light": summary.get("light", "rendered")}
     return dict(row for part in (*parts, light, _wall(summary["wall_s"])) for row in part.items())
 
@@ -87,6 +88,14 @@ def _detector(found: dict[str, Any]) -> dict[str, str]:
         "ROI's overlap (IoU)": percent(found["roi_iou"]),
         "view centre off by": pixels(found["centroid_error_px"]),
         "GRMS [1/s]": number(found["grms"]),
+    }
+
+
+def _rivals(found: Sequence[dict[str, Any]]) -> dict[str, str]:
+    """A line a method that ran beside the run's own."""
+    return {
+        f"beside it: {rival['method']}": f"{rival['direction']}, {percent(rival['accuracy'])} right"
+        for rival in found
     }
 
 

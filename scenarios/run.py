@@ -18,7 +18,7 @@ from scenarios.methods import FLY
 from scenarios.output import check_output
 from scenarios.pipeline import make_detector
 from scenarios.report import print_runs
-from scenarios.sequence import run_sequence
+from scenarios.sequence import EventsFormat, make_rivals, run_sequence
 from scenarios.terminal import progress_bar, script
 from sim import (
     CrossingConfig,
@@ -71,6 +71,8 @@ class Run:
     """Seed of everything random; the same gives the same events."""
     method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
     """Detector: fly, wide, or a class of your own as package.module:Class."""
+    also: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = ()
+    """Detectors that look at the same events, to compare in the recording and the table."""
     sensor: PresetName = "davis346"
     """Preset of the sensor; a smaller one sees the middle of the view, its pixels as large."""
     noise: bool = True
@@ -83,6 +85,8 @@ class Run:
     """Drawn points per pixel along each axis."""
     keyframe_px: float = CrossingConfig.keyframe_px
     """How far anything moves in the image from one keyframe to the next [px]."""
+    events_format: tuple[EventsFormat, ...] = ()
+    """Further files of the events, beside events.h5; aedat4 holds the APS frames too."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder to write; a name under logs/ that tells the parameters where not given."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
@@ -119,11 +123,21 @@ class Run:
     def execute(self) -> int:
         """Run, and print the closing table."""
         config, cache = self.config(), self.light.open()
-        folder = self.out or LOGS / config.name
+        beside = "".join(f"_{method.replace(':', '.')}" for method in self.also)
+        folder = self.out or LOGS / f"{config.name}{beside and '_also'}{beside}"
         check_output(folder)
         make_detector(config)
+        make_rivals(config, self.also)
         with progress_bar() as progress:
-            summary = run_sequence(config, folder, progress.track(config.name), cache=cache)
+            tell = progress.track(config.name)
+            summary = run_sequence(
+                config,
+                folder,
+                tell,
+                cache=cache,
+                also=self.also,
+                events_formats=self.events_format,
+            )
         print_runs([(folder, summary)])
         return 0
 

@@ -79,7 +79,7 @@ def summarise(
         "seed": config.seed,
         "versions": versions(),
         "devices": [f"{device.name}: {device.driver}" for device in vulkan_devices()],
-        "truth": _truth(config, crossing, track.in_view_us),
+        "truth": truth_summary(config, crossing, track.in_view_us),
         "events": tally.summary(),
         "detector": verdict,
     } | ({"fly": verdict} if config.method in FLY_PRESETS else {})
@@ -90,7 +90,10 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
 
 
-def _truth(config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]) -> dict[str, Any]:
+def truth_summary(
+    config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]
+) -> dict[str, Any]:
+    """The target's motion, and when it was first and last in view."""
     c = config.crossing
     speed_m_s = crossing.trajectory.speed_m_s(0.0)
     return {

@@ -15,10 +15,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from detector.errors import DetectorError
 from emulator import EmulatorError
+from formats.errors import FormatError
 from scenarios.errors import ScenarioError
 from sim import SimError
 
-REFUSALS = (SimError, EmulatorError, DetectorError, ScenarioError)
+REFUSALS = (SimError, EmulatorError, DetectorError, FormatError, ScenarioError)
 """What ends a command with a sentence instead of a traceback."""
 
 
@@ -47,8 +48,13 @@ class Bar:
 
 
 @contextmanager
-def progress_bar() -> Iterator[Bar]:
-    """Show progress bars on standard error while the block runs."""
+def progress_bar(speed_over_s: float = 30.0) -> Iterator[Bar]:
+    """Show progress bars on standard error while the block runs.
+
+    Args:
+        speed_over_s: the time left is told from the speed over so long a time [s]; make it long
+            where steps are.
+    """
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -57,7 +63,8 @@ def progress_bar() -> Iterator[Bar]:
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
         yield Bar(progress)
 
 
@@ -92,3 +99,6 @@ def execute(command: Command) -> int:
     except KeyboardInterrupt:
         print("flybench: interrupted", file=sys.stderr)
         return 130
+    except BrokenPipeError:  # whoever read our output has enough; what is left goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1

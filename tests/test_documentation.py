@@ -8,7 +8,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = ("README.md", "sim/README.md", "emulator/README.md", "detector/README.md")
+PAGES = (
+    "README.md",
+    "sim/README.md",
+    "emulator/README.md",
+    "detector/README.md",
+    "formats/README.md",
+    "scenarios/README.md",
+)
 EXAMPLE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 

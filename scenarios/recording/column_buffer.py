@@ -1,4 +1,4 @@
-"""Small things that change over time, kept until the end and written as one column an entity."""
+"""Small things that change over time, kept a while and written as one column an entity."""
 
 from __future__ import annotations
 
@@ -23,9 +23,18 @@ def time_column(t_us: npt.ArrayLike) -> rr.TimeColumn:
 
 
 class ColumnBuffer:
-    """Rows by entity; a row costs some hundred bytes, so hours fit in memory."""
+    """Rows by entity; a row costs some hundred bytes.
+
+    Attributes:
+        rows: how many are waiting.
+    """
 
     def __init__(self) -> None:
+        self._last_states: dict[str, str] = {}
+        self._clear()
+
+    def _clear(self) -> None:
+        self.rows = 0
         self._times: defaultdict[str, list[int]] = defaultdict(list)
         self._scalars: defaultdict[str, list[float]] = defaultdict(list)
         self._boxes: defaultdict[str, list[Box | None]] = defaultdict(list)
@@ -35,6 +44,7 @@ class ColumnBuffer:
 
     def scalar(self, path: str, t_us: int, value: float) -> None:
         """Add a value to a curve."""
+        self.rows += 1
         self._times[path].append(t_us)
         self._scalars[path].append(value)
 
@@ -42,33 +52,38 @@ class ColumnBuffer:
         self, path: str, t_us: npt.NDArray[np.int64], values: npt.NDArray[np.float64]
     ) -> None:
         """Add many values to a curve."""
+        self.rows += values.size
         self._times[path].extend(t_us.tolist())
         self._scalars[path].extend(values.tolist())
 
     def box(self, path: str, t_us: int, box: Box | None) -> None:
         """Show a box from now on; None: none."""
+        self.rows += 1
         self._times[path].append(t_us)
         self._boxes[path].append(box)
 
     def point(self, path: str, t_us: int, point: Point | None) -> None:
         """Show a point from now on; None: none."""
+        self.rows += 1
         self._times[path].append(t_us)
         self._points[path].append(point)
 
     def state(self, path: str, t_us: int, state: str) -> None:
         """Enter a state; "" is none; what goes on without a change makes no row."""
-        states = self._states[path]
-        if not states or states[-1] != state:
+        if self._last_states.get(path) != state:
+            self._last_states[path] = state
+            self.rows += 1
             self._times[path].append(t_us)
-            states.append(state)
+            self._states[path].append(state)
 
     def pose(self, path: str, t_us: int, pose: BodyPose) -> None:
         """Put a body somewhere."""
+        self.rows += 1
         self._times[path].append(t_us)
         self._poses[path].append(pose)
 
     def send(self, stream: rr.RecordingStream) -> None:
-        """Write everything."""
+        """Write all that waits."""
         for path, values in self._scalars.items():
             self._send(stream, path, rr.Scalars.columns(scalars=values))
         for path, boxes in self._boxes.items():
@@ -86,6 +101,7 @@ class ColumnBuffer:
                 mat3x3=[pose.rotation for pose in poses],
             )
             self._send(stream, path, columns)
+        self._clear()
 
     def _send(
         self, stream: rr.RecordingStream, path: str, columns: Iterable[rr.ComponentColumn]

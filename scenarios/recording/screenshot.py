@@ -26,6 +26,13 @@ GREETING_PICTURES = 8
 """The viewer shows its port in front of all else until it has painted so often (measured: 5
 pictures at most); sleeping does not help, since its clock stands still meanwhile."""
 
+_PANELS_AWAY = (
+    "ui.toggle_top_panel",
+    "ui.expand_blueprint_panel",
+    "ui.toggle_blueprint_panel",
+)
+"""Leave the views alone in the picture; the left panel is open in some recordings only."""
+
 NO_VIEWER = (
     "the Rerun viewer does not run here, probably for want of a Vulkan driver; flybench doctor "
     "tells what is missing"
@@ -75,7 +82,8 @@ def screenshot(
                 f"{recording}; choose another or leave it out"
             )
         viewer.set_time(TIMELINE, duration=np.timedelta64(round(at_ns), "ns"), play_state="paused")
-        viewer.run_command("ui.toggle_top_panel")
+        for command in _PANELS_AWAY:
+            viewer.run_command(command)
         png.write_bytes(_settled_picture(viewer))
 
 

@@ -29,6 +29,14 @@ def test_the_cold_search_finds_the_higher_of_two_peaks(high: tuple[float, float]
     assert np.hypot(*(np.array(found) - high)) < 0.5
 
 
+def test_a_cold_search_surveys_with_what_is_cheap_and_decides_with_all() -> None:
+    peaks = (733.0, -411.0), (-300.0, 500.0)
+    hills, survey = Hills(*peaks), Hills(peaks[1], peaks[0])  # which mistakes the lower for higher
+    found = search_cold(hills, window_s=WINDOW_S, limit_px_s=1500.0, survey_at=survey)
+    assert np.hypot(*np.subtract(found, peaks[0])) < 0.5
+    assert hills.asked < survey.asked
+
+
 def warm(hills: Hills, glance: Hills, start: tuple[float, float]) -> tuple[float, float]:
     return search_warm(hills, glance, start, window_s=WINDOW_S, limit_px_s=1500.0)
 

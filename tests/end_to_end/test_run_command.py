@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from detector.fly import FlyDetector
+from detector.plane_fit import PlaneFit
+from formats import open_events
 from scenarios.eventfile import read_events
+from scenarios.report import print_runs
 from scenarios.run import Run
 from scenarios.sequence import run_sequence
 from scenarios.tables import estimate_row
@@ -26,7 +29,8 @@ def flybench(*arguments: str) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     folder = tmp_path_factory.mktemp("runs") / "one"
-    done = flybench("run", *COARSE, "--seed", "7", "--out", str(folder))
+    more = ("--events-format", "aedat4", "evt3")
+    done = flybench("run", *COARSE, "--seed", "7", *more, "--out", str(folder))
     assert done.returncode == 0, done.stderr
     return folder, done.stdout
 
@@ -38,7 +42,18 @@ def summary_of(folder: Path) -> Any:
 def test_the_folder_holds_all_that_was_promised(ran: tuple[Path, str]) -> None:
     folder, _ = ran
     names = {path.name for path in folder.iterdir()}
-    assert names == {"recording.rrd", "events.h5", "truth.csv", "estimates.csv", "summary.json"}
+    promised = {"recording.rrd", "events.h5", "truth.csv", "estimates.csv", "summary.json"}
+    assert names == promised | {"events.aedat4", "events.raw"}
+
+
+def test_further_files_hold_the_same_events_and_the_frames(ran: tuple[Path, str]) -> None:
+    events = read_events(ran[0] / "events.h5")
+    for name in ("events.aedat4", "events.raw"):
+        assert np.array_equal(read_events(ran[0] / name), events)
+    with open_events(ran[0] / "events.aedat4") as file:
+        frames = [frame for chunk in file for frame in chunk.frames]
+    assert len(frames) > 10
+    assert frames[0].image.shape == (260, 346)
 
 
 def test_the_summary_is_the_contract(ran: tuple[Path, str]) -> None:
@@ -67,17 +82,29 @@ def test_the_table_says_it_and_how_to_look(ran: tuple[Path, str]) -> None:
     assert folder.name in printed
 
 
-def test_another_process_and_one_chunk_give_the_same(ran: tuple[Path, str], tmp_path: Path) -> None:
+def table_of(summary: Any, capsys: pytest.CaptureFixture[str]) -> str:
+    print_runs([(Path("again"), summary)])
+    return capsys.readouterr().out
+
+
+def test_another_process_one_chunk_and_company_give_the_same(
+    ran: tuple[Path, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     config = Run(omega=2.42, step_px=8, supersample=1, seed=7).config()
-    run_sequence(config, tmp_path / "again")
+    summary = run_sequence(config, tmp_path / "again", also=("plane-fit",))
     events = read_events(ran[0] / "events.h5")
     assert np.array_equal(read_events(tmp_path / "again" / "events.h5"), events)
     table = (ran[0] / "estimates.csv").read_text()
     assert (tmp_path / "again" / "estimates.csv").read_text() == table
-    fly = FlyDetector(config.fly)
-    estimates = fly.push(events) + fly.advance(summary_of(ran[0])["truth"]["duration_us"] + 1)
-    rows = [",".join(map(str, estimate_row(estimate))) for estimate in estimates]
-    assert table.splitlines()[1:] == rows
+    end_us = summary_of(ran[0])["truth"]["duration_us"] + 1
+    for name, alone in (("", FlyDetector(config.fly)), ("_plane-fit", PlaneFit())):
+        table = (tmp_path / "again" / f"estimates{name}.csv").read_text()
+        estimates = alone.push(events) + alone.advance(end_us)
+        rows = [",".join(map(str, estimate_row(estimate))) for estimate in estimates]
+        assert table.splitlines()[1:] == rows
+    assert [one["method"] for one in summary["detectors"]] == ["fly", "plane-fit"]
+    assert summary["detectors"][0] == summary["detector"]
+    assert "beside it: plane-fit" in table_of(summary, capsys)
 
 
 def test_a_run_replaces_an_earlier_one(ran: tuple[Path, str]) -> None:
@@ -100,6 +127,8 @@ def test_a_run_replaces_an_earlier_one(ran: tuple[Path, str]) -> None:
         (("--illuminance-lux", "1e9"), ("illuminance_lux is 1000000000.0", "allowed is")),
         (("--lighting", "moon"), ("moon", "day", "dusk", "night")),
         (("--distractors.wind-grade", "99"), ("wind_grade is 99", "allowed is 0 to 8")),
+        (("--also", "wide", "wide"), ("--also names wide", "allowed is each method once")),
+        (("--also", "bee"), ("'bee'", "allowed is fly")),
         (("--vehicle", "tank"), ("tank", "sedan", "van", "motorcycle")),
     ],
 )

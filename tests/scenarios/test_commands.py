@@ -1,4 +1,4 @@
-"""The small commands: doctor, view, and what a sweep prints."""
+"""The small commands: doctor, and what a sweep prints."""
 
 import csv
 import json
@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from scenarios import doctor, view
+from scenarios import doctor
 from scenarios.config import RunConfig
 from scenarios.demo import Demo
 from scenarios.doctor import Doctor
 from scenarios.errors import ScenarioError
 from scenarios.methods import MethodError
-from scenarios.output import RECORDING
 from scenarios.report import print_runs
 from scenarios.run import Run
 from scenarios.terminal import execute
@@ -51,30 +50,6 @@ def test_a_machine_without_vulkan_gets_a_sentence(
     assert INSTALL_COMMAND in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
     assert issubclass(RendererError, ValueError)
-
-
-@pytest.mark.parametrize("name", ["missing", "missing.rrd", "notes.txt", "empty.rrd"])
-def test_view_refuses_what_is_no_recording(tmp_path: Path, name: str) -> None:
-    (tmp_path / "notes.txt").write_text("")
-    (tmp_path / "empty.rrd").touch()
-    with pytest.raises(ScenarioError, match="there is no recording at"):
-        view.find_recording(tmp_path / name)
-
-
-def test_view_finds_the_recording_of_a_run(tmp_path: Path) -> None:
-    recording = tmp_path / RECORDING
-    recording.write_bytes(view.MAGIC)
-    assert view.find_recording(tmp_path) == recording
-    assert view.find_recording(recording) == recording
-
-
-def test_view_without_a_display_names_the_other_ways(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    (tmp_path / RECORDING).write_bytes(view.MAGIC)
-    monkeypatch.setattr(view, "has_display", lambda: False)
-    with pytest.raises(ScenarioError, match="--web"):
-        view.View(tmp_path).execute()
 
 
 def test_speed_and_omega_are_two_names_of_one_thing() -> None:

@@ -48,8 +48,8 @@ class Saying(Good):
     answers = []
     def advance(self, t_us):
         return [self.estimate(*answer) for answer in self.answers]
-    def estimate(self, t_us, hs=0.0, response=(0.0, 0.0)):
-        return MotionEstimate(t_us, hs, 0.0, Direction.NONE, 0.0, response, (0.0, 0.0), None)
+    def estimate(self, t_us, hs=0.0, response=(0.0, 0.0), direction=Direction.NONE, box=None):
+        return MotionEstimate(t_us, hs, 0.0, direction, 0.0, response, (0.0, 0.0), box)
 
 class Stuck(Saying):
     answers = [(20,), (20,)]
@@ -65,6 +65,12 @@ class Endless(Saying):
 
 class NoResponse(Saying):
     answers = [(20, 0.0, None)]
+
+class JustAWord(Saying):
+    answers = [(20, 0.0, (0.0, 0.0), "right")]
+
+class Half(Saying):
+    answers = [(20, 0.0, (0.0, 0.0), Direction.NONE, (3, 4))]
 
 class Watcher(Good):
     def __init__(self, *, width, height):
@@ -182,6 +188,8 @@ def test_frames_come_between_the_events_before_and_after_them() -> None:
         ("NotANumber", "NotANumber.advance returned an estimate at 20 µs whose hs is nan; allowed"),
         ("Endless", r"whose response is \(inf, 0.0\)"),
         ("NoResponse", "whose response is None"),
+        ("JustAWord", "whose direction is 'right'; allowed is a detector.estimate.Direction"),
+        ("Half", r"whose roi_px is \(3, 4\); allowed is"),
     ],
 )
 def test_an_answer_that_is_no_estimate_is_refused(name: str, words: str) -> None:

@@ -11,9 +11,10 @@ import rerun.blueprint as rrb
 from detector.estimate import Direction, MotionEstimate
 from detector.fly import FlyMaps
 from emulator import ApsFrame, Cause
+from scenarios.errors import ScenarioError
 from scenarios.recording import Recorder
-from scenarios.recording.blueprint import blueprint
-from scenarios.recording.entities import MOTION, SALIENCY, SURFACE_OFF, SURFACE_ON
+from scenarios.recording.blueprint import blueprint, stream_blueprint
+from scenarios.recording.entities import TRUE_DIRECTION, paths_of
 from scenarios.recording.event_batches import class_id
 from sim import Crossing, CrossingConfig, GroundTruth, project
 from sim import Direction as SceneDirection
@@ -23,6 +24,9 @@ from tests.scenarios.reading import Reading
 from tests.sim.seen import target_on
 
 CELL_PX = 3
+METHODS = ("fly", "plane-fit", "mine:Own")
+FLY, PLANE_FIT, OWN = (paths_of(method, n) for n, method in enumerate(METHODS))
+MAPS = (FLY.saliency, FLY.on, FLY.off, *FLY.motion)
 PARAMETERS = {
     "seed": 3,
     "crossing.lighting": "day",
@@ -38,6 +42,11 @@ def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth
         mask[120:150, 100:140] = True
     witness = Witness(crossing.scene, crossing.intrinsics)
     return witness.at(t_us, crossing.seconds(t_us), target_on(mask, crossing.scene))
+
+
+def jpeg(rgb: tuple[int, int, int]) -> bytes:
+    picture = np.full((520, 692, 3), rgb[::-1], np.uint8)
+    return cv2.imencode(".jpg", picture)[1].tobytes()
 
 
 def estimate_at(t_us: int, hs: float, direction: Direction) -> MotionEstimate:
@@ -59,17 +68,27 @@ def crossing() -> Crossing:
 @pytest.fixture(scope="module")
 def path(crossing: Crossing, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "recording.rrd"
-    with Recorder(path, crossing=crossing, parameters=PARAMETERS) as recorder:
+    with Recorder(
+        path, crossing=crossing, parameters=PARAMETERS, methods=METHODS, maps_of="fly"
+    ) as recorder:
         causes = np.array([Cause.SIGNAL, Cause.SIGNAL, Cause.SHOT], np.uint8)
         recorder.log_events(events_at(1_200, 1_900, 1_950), causes)
         recorder.log_events(events_at(1_999, 5_000))
         recorder.log_aps(ApsFrame(0, 7_200, np.full((260, 346), 680, np.uint16)))
-        recorder.log_preview(0, np.full((520, 692, 3), (200, 100, 50), np.uint8))
+        half = crossing.duration_us // 2
+        recorder.log_preview(jpeg((200, 100, 50)), truth_at(crossing, half), scale=2.0)
         recorder.log_truth(truth_at(crossing, 0, seen=False))
-        recorder.log_truth(truth_at(crossing, crossing.duration_us // 2))
-        recorder.log_estimate(estimate_at(10_000, 0.0, Direction.NONE), maps_of(0.0))
-        recorder.log_estimate(estimate_at(20_000, 0.5, Direction.RIGHT), maps_of(0.5))
-        recorder.log_estimate(estimate_at(30_000, 0.75, Direction.RIGHT))
+        recorder.log_truth(truth_at(crossing, half))
+        for method, maps in (("plane-fit", None), ("fly", maps_of)):  # one after the other
+            for t_us, hs, said in (
+                (10_000, 0.0, Direction.NONE),
+                (20_000, 0.5, Direction.RIGHT),
+                (30_000, 0.75, Direction.RIGHT),
+            ):
+                estimate = estimate_at(t_us, hs, said)
+                seen = None if maps is None or t_us == 30_000 else maps(hs)
+                recorder.log_estimate(method, estimate, seen)
+        recorder.log_estimate("mine:Own", estimate_at(15_000, -0.5, Direction.LEFT))
     return path
 
 
@@ -104,52 +123,84 @@ def test_event_rates_have_a_row_every_millisecond(reading: Reading, crossing: Cr
     assert (off[0.002], off[0.006], noise[0.002]) == ([1.0], [1.0], [1.0])
 
 
-def test_responses_and_decisions_are_there(reading: Reading) -> None:
-    hs = reading.rows("/response/hs", "Scalars:scalars")
-    assert hs == [(0.01, [0.0]), (0.02, [0.5]), (0.03, [0.75])]
-    assert reading.values("/response/vs", "Scalars:scalars") == [[-0.25]] * 3
-    decisions = reading.rows("/direction/fly", "StateChange:state")
-    assert decisions == [(0.01, [""]), (0.02, ["right"])]
+def test_each_method_has_its_responses_and_decisions(reading: Reading) -> None:
+    for method in (FLY, PLANE_FIT):
+        hs = reading.rows(f"/{method.hs}", "Scalars:scalars")
+        assert hs == [(0.01, [0.0]), (0.02, [0.5]), (0.03, [0.75])]
+        assert reading.values(f"/{method.vs}", "Scalars:scalars") == [[-0.25]] * 3
+        decisions = reading.rows(f"/{method.direction}", "StateChange:state")
+        assert decisions == [(0.01, [""]), (0.02, ["right"])]
+    assert reading.rows(f"/{OWN.direction}", "StateChange:state") == [(0.015, ["left"])]
+
+
+def test_a_method_that_gives_a_velocity_has_it_beside_the_true_one(reading: Reading) -> None:
+    right = reading.values("/velocity/image/x/plane-fit", "Scalars:scalars")
+    assert right == [[0.0], [0.5], [0.75]]
+    assert reading.values("/velocity/image/y/plane-fit", "Scalars:scalars") == [[-0.25]] * 3
+    assert reading.rows("/velocity/image/x/fly", "Scalars:scalars") == []
+
+
+def test_lanes_are_sorted_the_truth_first_then_the_methods_as_they_were_named() -> None:
+    lanes = [TRUE_DIRECTION, FLY.direction, PLANE_FIT.direction, OWN.direction]
+    assert lanes == sorted(lanes)
+
+
+def test_curves_of_several_methods_bear_their_names(reading: Reading) -> None:
+    names = [reading.static(f"/{m.hs}", "SeriesLines:names") for m in (FLY, PLANE_FIT, OWN)]
+    assert names == [[method] for method in METHODS]
+    colours = {str(reading.static(f"/{m.hs}", "SeriesLines:colors")) for m in (FLY, PLANE_FIT)}
+    assert len(colours) == 2
 
 
 def test_the_true_direction_and_velocity_are_there(reading: Reading, crossing: Crossing) -> None:
     omega_rad_s = crossing.config.omega_rad_s
-    assert reading.values("/direction/truth", "StateChange:state") == [[""], ["up"]]
+    assert reading.values(f"/{TRUE_DIRECTION}", "StateChange:state") == [[""], ["up"]]
     angular = reading.values("/velocity/angular", "Scalars:scalars")
     assert angular[-1] == pytest.approx([omega_rad_s], rel=1e-4)
-    downward = reading.values("/velocity/image/y", "Scalars:scalars")
+    downward = reading.values("/velocity/image/y/truth", "Scalars:scalars")
     assert downward[-1] == pytest.approx([-omega_rad_s * crossing.intrinsics.focal_px], rel=1e-4)
 
 
-def test_the_mask_box_and_centroid_show_the_target_while_it_is_seen(reading: Reading) -> None:
+def test_the_box_shows_the_target_while_it_is_seen(reading: Reading) -> None:
     truth = "/world/camera/truth"
     assert reading.values(f"{truth}/box", "Boxes2D:centers") == [[], [[120.0, 135.0]]]
     assert reading.values(f"{truth}/box", "Boxes2D:half_sizes") == [[], [[20.0, 15.0]]]
-    assert reading.values(f"{truth}/centroid", "Points2D:positions") == [[], [[120.0, 135.0]]]
-    masks = [v[0] for v in reading.values(f"{truth}/mask", "SegmentationImage:buffer")]
-    assert [sum(mask) for mask in masks] == [0, 40 * 30]
+
+
+def test_the_preview_has_the_mask_box_and_centroid_of_its_moment(
+    reading: Reading, crossing: Crossing
+) -> None:
+    truth, half_s = "/world/camera/truth", crossing.duration_us // 2 / 1e6
+    assert [t for t, _ in reading.rows("/world/camera/preview", "EncodedImage:blob")] == [half_s]
+    ((t_s, (mask,)),) = reading.rows(f"{truth}/mask", "SegmentationImage:buffer")
+    assert (t_s, sum(mask)) == (half_s, 40 * 30)
+    boxes = reading.rows(f"{truth}/preview_box", "Boxes2D:centers")
+    assert boxes == [(half_s, [[120.0, 135.0]])]
+    centroids = reading.rows(f"{truth}/preview_centroid", "Points2D:positions")
+    assert centroids == [(half_s, [[120.0, 135.0]])]
 
 
 def test_attention_is_drawn_in_sensor_pixels(reading: Reading) -> None:
-    fly = "/world/camera/fly"
-    assert reading.values(f"{fly}/roi", "Boxes2D:centers") == [[], *[[[120.0, 120.0]]] * 2]
-    assert reading.values(f"{fly}/view_centre", "Points2D:positions") == [[[120.0, 130.0]]] * 3
+    for method in (FLY, PLANE_FIT):
+        rois = reading.values(f"/{method.roi}", "Boxes2D:centers")
+        assert rois == [[], *[[[120.0, 120.0]]] * 2]
+        centres = reading.values(f"/{method.view_centre}", "Points2D:positions")
+        assert centres == [[[120.0, 130.0]]] * 3
 
 
 def test_maps_are_scaled_onto_the_sensor_and_to_a_common_brightness(reading: Reading) -> None:
-    for entity in (SALIENCY, SURFACE_ON, SURFACE_OFF, *MOTION):
+    for entity in MAPS:
         assert reading.static(f"/{entity}", "Transform3D:scale") == [[CELL_PX, CELL_PX, 1.0]]
         assert len(reading.rows(f"/{entity}", "DepthImage:buffer")) == 2
     brightest = {
-        entity: reading.static(f"/{entity}", "DepthImage:depth_range")[0][1]
-        for entity in (SALIENCY, SURFACE_ON, SURFACE_OFF, *MOTION)
+        entity: reading.static(f"/{entity}", "DepthImage:depth_range")[0][1] for entity in MAPS
     }
-    assert brightest[SURFACE_ON] == brightest[SURFACE_OFF] == 1.0
-    assert {brightest[entity] for entity in MOTION} == {0.5}
+    assert brightest[FLY.on] == brightest[FLY.off] == 1.0
+    assert {brightest[entity] for entity in FLY.motion} == {0.5}
 
 
 def test_maps_keep_their_values(reading: Reading) -> None:
-    (_, seen) = reading.values(f"/{MOTION[1]}", "DepthImage:buffer")
+    (_, seen) = reading.values(f"/{FLY.motion[1]}", "DepthImage:buffer")
     left = np.array(seen[0], np.uint8).view(np.float16)
     np.testing.assert_array_equal(left, np.full(87 * 116, 0.25))
 
@@ -205,13 +256,63 @@ def test_there_is_one_time_line_and_one_blueprint(path: Path, reading: Reading) 
     assert len(rr.chunk.RrdReader(path).blueprints()) == 1
 
 
-def test_without_maps_their_views_are_not_there(crossing: Crossing) -> None:
-    def names(*, has_maps: bool) -> str:
-        return str(list(_views(blueprint(crossing, has_maps=has_maps).root_container)))
+def test_the_viewer_calls_it_by_light_speed_and_direction(reading: Reading) -> None:
+    name = reading.static("/__properties", "RecordingInfo:name")
+    assert name == ["day, 1.61 rad/s, up"]
 
-    assert "ON surface" in names(has_maps=True)
-    assert "surface" not in names(has_maps=False)
-    assert "Events of the last" in names(has_maps=False)
+
+def views(crossing: Crossing, *methods: str, maps_of: str | None = None) -> str:
+    paths = {method: paths_of(method, n) for n, method in enumerate(methods)}
+    return str(list(_views(blueprint(crossing, paths, maps_of).root_container)))
+
+
+def test_without_maps_their_views_are_not_there(crossing: Crossing) -> None:
+    assert "ON surface" in views(crossing, "fly", maps_of="fly")
+    assert "surface" not in views(crossing, "plane-fit")
+    assert "Events of" in views(crossing, "plane-fit")
+    assert "Events of" in views(crossing)
+
+
+def test_without_truth_its_views_are_not_there() -> None:
+    paths = {"plane-fit": paths_of("plane-fit", 0)}
+    view = stream_blueprint(640, 480, paths, has_frames=False)
+    names = str(list(_views(view.root_container)))
+    assert "Events of" in names
+    assert "Image velocity" in names
+    for word in ("true", "truth", "Scene", "Preview", "APS", "Angular"):
+        assert word not in names
+    assert "APS" in str(
+        list(_views(stream_blueprint(640, 480, paths, has_frames=True).root_container))
+    )
+
+
+def test_several_methods_share_a_plot_an_axis_that_of_the_motion_first(crossing: Crossing) -> None:
+    assert "Response of the detector" in views(crossing, "fly")
+    several = views(crossing, "fly", "wide")
+    assert 0 < several.index("VS response") < several.index("HS response")
+
+
+def test_without_an_estimate_of_velocity_the_event_rate_comes_first(crossing: Crossing) -> None:
+    without, having = views(crossing, "fly"), views(crossing, "fly", "plane-fit")
+    assert without.index("Event rate") < without.index("Image velocity")
+    assert having.index("Image velocity") < having.index("Event rate")
+
+
+@pytest.mark.parametrize(
+    ("methods", "maps_of", "words"),
+    [
+        (("fly", "fly"), None, "fly is recorded twice"),
+        (("fly",), "wide", "maps are of wide; allowed is one of .*, fly"),
+        ((), "wide", "there are none"),
+    ],
+)
+def test_methods_that_do_not_fit_are_refused(
+    crossing: Crossing, tmp_path: Path, methods: tuple[str, ...], maps_of: str | None, words: str
+) -> None:
+    file = tmp_path / "a.rrd"
+    with pytest.raises(ScenarioError, match=words):
+        Recorder(file, crossing=crossing, parameters={}, methods=methods, maps_of=maps_of)
+    assert not file.exists()
 
 
 def _views(container: Any) -> Iterator[str]:

@@ -7,7 +7,8 @@ import pytest
 
 from scenarios.recording import Recorder
 from scenarios.recording.screenshot import ScreenshotError, screenshot
-from sim import Crossing, CrossingConfig
+from sim import Crossing, CrossingConfig, Witness
+from tests.sim.seen import target_on
 
 SMALL_PX = (640, 400)
 
@@ -15,8 +16,13 @@ SMALL_PX = (640, 400)
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "recording.rrd"
-    with Recorder(path, crossing=Crossing(CrossingConfig()), parameters={}) as recorder:
-        recorder.log_preview(0, np.full((260, 346, 3), (0, 0, 250), np.uint8))
+    crossing = Crossing(CrossingConfig())
+    _, jpeg = cv2.imencode(".jpg", np.full((260, 346, 3), (250, 0, 0), np.uint8))
+    witness = Witness(crossing.scene, crossing.intrinsics)
+    unseen = target_on(np.zeros((260, 346), np.bool_), crossing.scene)
+    truth = witness.at(0, crossing.seconds(0), unseen)
+    with Recorder(path, crossing=crossing, parameters={}) as recorder:
+        recorder.log_preview(jpeg.tobytes(), truth, scale=1.0)
     return path
 
 

@@ -1,0 +1,1 @@
+"""A direction from anybody's events: `flybench detect`."""

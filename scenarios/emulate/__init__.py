@@ -1,0 +1,1 @@
+"""Events from anybody's pictures: `flybench emulate`."""

@@ -1,0 +1,89 @@
+"""Records a sequence sample by sample: events always, pictures and truth at their own pace."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from detector.estimate import MotionEstimate
+from detector.fly import FlyMaps
+from emulator import SensorOutput
+from scenarios.methods import FLY
+from scenarios.recording.recorder import Recorder
+from sim import Crossing, Sample, preview_jpegs
+from sim.preview import PREVIEW_SCALE
+
+PREVIEW_PERIOD_US = 50_000
+"""How often the colour picture comes: twice a second at a tenth of the speed (assumed)."""
+TRUTH_PERIOD_US = 10_000
+"""How often the truth comes in curves, events and the 3-D scene (assumed)."""
+
+
+class SequenceRecorder:
+    """A `Recorder` that draws the colour picture too; use it as a context manager."""
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        crossing: Crossing,
+        parameters: Mapping[str, object],
+        methods: Sequence[str] = (FLY,),
+        maps_of: str | None = None,
+        name: str | None = None,
+        one_of_several: bool = False,
+    ) -> None:
+        """Begin the file; see `Recorder`.
+
+        Raises:
+            RendererError: this machine cannot render.
+            OSError: the file cannot be written.
+            ScenarioError: a method is there twice, or `maps_of` is none of them.
+        """
+        times_us = range(0, crossing.duration_us + 1, PREVIEW_PERIOD_US)
+        self._pictures = dict(enumerate(preview_jpegs(crossing, times_us)))
+        self._recorder = Recorder(
+            path,
+            crossing=crossing,
+            parameters=parameters,
+            methods=methods,
+            maps_of=maps_of,
+            name=name,
+            one_of_several=one_of_several,
+        )
+        self._truth_due_us = 0
+
+    def __enter__(self) -> SequenceRecorder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._recorder.close()
+
+    def log(self, sample: Sample, output: SensorOutput) -> None:
+        """Record a sample of light, and what the sensor said since the one before.
+
+        Args:
+            sample: the next one, in order of time.
+            output: the sensor's, up to its time.
+        """
+        self._recorder.log_events(output.events, output.causes)
+        for frame in output.aps_frames:
+            self._recorder.log_aps(frame)
+        if sample.t_us >= self._truth_due_us:
+            self._recorder.log_truth(sample.truth)
+            self._truth_due_us = sample.t_us + TRUTH_PERIOD_US
+        jpeg = self._pictures.pop(sample.t_us // PREVIEW_PERIOD_US, None)
+        if jpeg is not None:
+            self._recorder.log_preview(jpeg, sample.truth, scale=PREVIEW_SCALE)
+
+    def log_estimate(
+        self, method: str, estimate: MotionEstimate, maps: FlyMaps | None = None
+    ) -> None:
+        """Record what a method said; see `Recorder.log_estimate`."""
+        self._recorder.log_estimate(method, estimate, maps)

@@ -1,0 +1,1 @@
+"""`flybench sweep`: any grid or random sample of runs, in parallel, resumable, as one table."""

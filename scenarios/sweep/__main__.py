@@ -1,0 +1,6 @@
+"""`python -m scenarios.sweep`."""
+
+from scenarios.sweep.command import Sweep
+from scenarios.terminal import script
+
+script(Sweep)

@@ -1,0 +1,26 @@
+"""A wall of smooth texture that moves to the right, drawn exactly at any time."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+F32 = npt.NDArray[np.float32]
+U8 = npt.NDArray[np.uint8]
+
+
+def wall(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:
+    """Share of white, 0.1 to 0.9, shifted to the right."""
+    rng = np.random.default_rng(0)
+    drawn = cv2.GaussianBlur(rng.normal(size=(rows, 3 * columns)).astype(np.float32), (0, 0), 3)
+    drawn = np.clip(0.5 + 0.8 * drawn / np.abs(drawn).max(), 0.1, 0.9)
+    x = np.tile(np.arange(columns, dtype=np.float32) + columns - np.float32(shift_px), (rows, 1))
+    y = np.tile(np.arange(rows, dtype=np.float32)[:, None], (1, columns))
+    return np.asarray(cv2.remap(drawn.astype(np.float32), x, y, cv2.INTER_CUBIC), np.float32)
+
+
+def pictures(number: int, px_a_frame: float, **size: Any) -> U8:
+    """(number, rows, columns) levels, in proportion to light."""
+    frames = [np.rint(255 * wall(k * px_a_frame, **size)) for k in range(number)]
+    return np.asarray(frames, np.uint8)

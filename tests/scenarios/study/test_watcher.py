@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+
+from detector.errors import DetectorConfigError
+from emulator import ApsFrame, SensorOutput
+from emulator.events import EVENT_DTYPE
+from scenarios.methods import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, MethodError
+from scenarios.study.watcher import Chunk, make_watcher, warm_up
+
+SIZE = {"width": 60, "height": 48}
+
+
+def test_a_chunk_joins_what_steps_gave() -> None:
+    events = np.zeros(3, EVENT_DTYPE)
+    events["t"] = (5, 6, 9)
+    frame = ApsFrame(0, 7, np.zeros((48, 60), np.uint16))
+    none = np.empty(0, np.uint8)
+    chunk = Chunk()
+    for part, frames in ((events[:2], (frame,)), (events[:0], ()), (events[2:], ())):
+        chunk.add(SensorOutput(part, none, frames))
+    joined, taken = chunk.take()
+    np.testing.assert_array_equal(joined, events)
+    assert taken == [frame]
+    assert (chunk.take()[0].size, chunk.frames) == (0, [])
+
+
+@pytest.mark.parametrize("method", [FLY, FRAME_FLY, CONTRAST, PLANE_FIT])
+def test_a_warm_up_calls_all_and_counts_time_and_events(method: str) -> None:
+    watcher = make_watcher(method, 0, **SIZE)
+    warm_up(watcher, **SIZE)
+    assert len(watcher.estimates) >= 5
+    assert watcher.cpu_s > 0.0
+    assert watcher.events > 10_000
+    assert (watcher.maps is not None) == (method == FLY)
+
+
+def test_contrast_maximisation_has_the_hop_of_the_study() -> None:
+    watcher = make_watcher(CONTRAST, 0, contrast_hop_us=25_000, **SIZE)
+    assert watcher.config is not None
+    assert watcher.config.hop_us == 25_000
+    with pytest.raises(DetectorConfigError, match="no multiple of hop_us"):
+        make_watcher(CONTRAST, 0, contrast_hop_us=30_000, **SIZE)
+
+
+def test_an_unknown_method_is_refused() -> None:
+    with pytest.raises(MethodError, match="'bee'"):
+        make_watcher("bee", 0, **SIZE)
