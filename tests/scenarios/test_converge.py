@@ -60,12 +60,12 @@ CASES: dict[str, dict[str, Any]] = {
         "distractors": Distractors(flicker_hz=100, flicker_depth=0.05),
     },
 }
-PIECE_PX = 1.5
-FINE_SIZE = 6
+PIECE_PX = 2.0
+FINE_SIZE = 5
 """At the same times as the others: of the errors, those of the step are not what is compared."""
 CHANCE = 0.01
 """Allowance to shares of the events of one short piece: along an edge they come and go together."""
-CHANCE_OF_COUNT = 0.03
+CHANCE_OF_COUNT = 0.02
 """And to their number, in which errors of both signs cancel each other by chance."""
 FLUTTER = 0.002
 """Share of events that may come where an edge slides along itself: its stairs are not the finer
