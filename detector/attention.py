@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.correlation import DOWN, LEFT, RIGHT, UP
+from detector.errors import StateError
 from detector.fly_config import FlyConfig
 from detector.readings import Attention, LocalMotion
 from detector.region import search_square
@@ -164,6 +165,19 @@ class ViewCentre:
             "is_attending": np.array(self.is_attending),
             "steered": np.array(self._steered),
         }
+
+    def check(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Refuse a state that looks beside the grid.
+
+        Raises:
+            StateError: it does.
+        """
+        position = state["position"]
+        if (np.abs(position - self._home) > np.array(self._sides) / 2).any():
+            raise StateError(
+                f"the state looks at {position.tolist()}; allowed are cells of a grid of "
+                f"{self._sides[0]} × {self._sides[1]}; pass what FlyDetector.state() gave, whole"
+            )
 
     def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
         """Go on from what `state` of the same configuration and grid gave."""

@@ -46,10 +46,10 @@ class MotionEstimate:
 
     Attributes:
         t_us: end of the window, exclusive: no event at or after it was used [µs].
-        hs: horizontal system's response in (−1, 1); rightward is positive.
-        vs: vertical system's response in (−1, 1); downward is positive.
+        hs: horizontal system's response in [−1, 1]; rightward is positive.
+        vs: vertical system's response in [−1, 1]; downward is positive.
         direction: the winner of the two, or none.
-        strength: the larger of |hs| and |vs|, in [0, 1), also where the direction is none.
+        strength: the larger of |hs| and |vs|, in [0, 1], also where the direction is none.
         response: the horizontal and vertical response before normalisation.
         view_centre_px: (x, y) on which attention rests, continuous pixel coordinates in which
             pixel i spans [i, i + 1) [px].

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.attention import ViewCentre, saliency_map
-from detector.correlation import DOWN, LEFT, RIGHT, UP, t4, t5
-from detector.errors import DetectorConfigError
+from detector.correlation import t4, t5
+from detector.errors import DetectorConfigError, StateError
 from detector.estimate import MotionEstimate
 from detector.fly_config import FlyConfig
 from detector.readings import Attention, Normalisation, RegionActivity
@@ -23,7 +23,7 @@ from detector.tangential import (
     horizontal_system,
     lobula_plate,
     normalise,
-    share_of_total,
+    shares_of_total,
     signal_to_noise,
     vertical_system,
     winner_take_all,
@@ -158,14 +158,22 @@ class FlyDetector:
         """Go on where another fly was when its `state` was taken; the same estimates follow.
 
         Raises:
-            StateError: it comes from another configuration or sensor, or is not whole.
+            StateError: it comes from another configuration or sensor, is not whole, or contradicts
+                itself.
         """
         check_origin(state, origin(self.config, width=self._width, height=self._height))
         check_arrays(state, self.state(), loose={"surfaces.times", "surfaces.pixels"})
-        self._surfaces.restore(part_of(state, "surfaces"))
-        self._centre.restore(part_of(state, "centre"))
-        now_us = int(state["fly.now_us"])
-        self._hop, self._now_us = int(state["fly.hop"]), None if now_us < 0 else now_us
+        hop, now_us = int(state["fly.hop"]), int(state["fly.now_us"])
+        if hop != max(now_us, 0) // self.config.hop_us:
+            raise StateError(
+                f"the state is in hop {hop} at {now_us} µs; allowed is the hop of that time, "
+                f"{max(now_us, 0) // self.config.hop_us}; pass what FlyDetector.state() gave, whole"
+            )
+        surfaces, centre = part_of(state, "surfaces"), part_of(state, "centre")
+        self._centre.check(centre)
+        self._surfaces.restore(surfaces, now_us=max(now_us, 0))
+        self._centre.restore(centre)
+        self._hop, self._now_us = hop, None if now_us < 0 else now_us
         self.maps = self._blank_maps
 
     def _wake(self, t_us: int) -> None:
@@ -213,7 +221,14 @@ class FlyDetector:
             t_us=end_us,
             hs=hs,
             vs=vs,
-            direction=winner_take_all(hs, vs, snr=snr, snr_floor=c.snr_floor),
+            direction=winner_take_all(
+                hs,
+                vs,
+                snr=snr,
+                snr_floor=c.snr_floor,
+                shares=shares_of_total(lp),
+                share_floor=c.share_floor,
+            ),
             strength=max(abs(hs), abs(vs)),
             response=response,
             view_centre_px=((x + 0.5) * c.cell_px, (y + 0.5) * c.cell_px),
@@ -224,8 +239,7 @@ class FlyDetector:
         self, response: tuple[float, float], lp: tuple[float, float, float, float]
     ) -> tuple[float, float]:
         if self.config.normalisation is Normalisation.TOTAL:
-            hs, vs = response
-            return share_of_total(hs, lp[RIGHT] + lp[LEFT]), share_of_total(vs, lp[UP] + lp[DOWN])
+            return shares_of_total(lp)
         cells, scale = self.maps.attended.size, self.config.response_scale
         hs, vs = (normalise(r, cells=cells, scale=scale) for r in response)
         return hs, vs

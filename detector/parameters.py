@@ -22,15 +22,35 @@ def check_numbers(config: Any, ranges: Mapping[str, tuple[float, float]]) -> Non
         DetectorConfigError: a value of another type, or outside its range.
     """
     defaults = {field.name: field.default for field in fields(config)}
-    for name, (low, high) in ranges.items():
-        value, default = getattr(config, name), defaults[name]
-        is_whole = isinstance(default, int)
-        kind: type = Integral if is_whole else Real
-        is_number = isinstance(value, kind) and not isinstance(value, bool)
-        if not (is_number and low <= value <= high):
-            whole = "a whole number from " if is_whole else ""
-            raise DetectorConfigError(
-                f"{name} is {value!r}; allowed is {whole}{low:g} to {high:g}; the default is "
-                f"{default}"
-            )
-        object.__setattr__(config, name, int(value) if is_whole else float(value))
+    for name, allowed in ranges.items():
+        default = defaults[name]
+        number = checked_number(
+            name, getattr(config, name), allowed, whole=isinstance(default, int), default=default
+        )
+        object.__setattr__(config, name, number)
+
+
+def checked_number(
+    name: str, value: Any, allowed: tuple[float, float], *, whole: bool, default: object
+) -> int | float:
+    """The value as Python's int, where it has to be whole, or else as its float.
+
+    Args:
+        name: of the parameter, for the refusal.
+        value: candidate.
+        allowed: lowest and highest, both included.
+        whole: whether whole numbers alone will do.
+        default: of the parameter, for the refusal.
+
+    Raises:
+        DetectorConfigError: a value of another type, or outside its range.
+    """
+    low, high = allowed
+    kind: type = Integral if whole else Real
+    is_number = isinstance(value, kind) and not isinstance(value, bool)
+    if not (is_number and low <= value <= high):
+        raise DetectorConfigError(
+            f"{name} is {value!r}; allowed is {'a whole number from ' if whole else ''}{low:g} to "
+            f"{high:g}; the default is {default}"
+        )
+    return int(value) if whole else float(value)

@@ -29,11 +29,22 @@ def origin(config: FlyConfig, *, width: int, height: int) -> State:
 
 
 def check_origin(state: Mapping[str, npt.NDArray[Any]], expected: State) -> None:
-    """Refuse the state of another format, configuration or sensor.
+    """Refuse what is no state, and the state of another format, configuration or sensor.
 
     Raises:
         StateError: it is one.
     """
+    if not isinstance(state, Mapping):
+        raise StateError(
+            f"the state is of type {type(state).__name__}; allowed are arrays by name; pass what "
+            "FlyDetector.state() gave, or np.load of the .npz that keeps it"
+        )
+    for name, array in state.items():
+        if not isinstance(array, np.ndarray):
+            raise StateError(
+                f"{name} of the state is of type {type(array).__name__}; allowed is an array; pass "
+                "what FlyDetector.state() gave, whole"
+            )
     for name, value in expected.items():
         found = state[name].tolist() if name in state else "missing"
         if found != value.tolist():
@@ -52,7 +63,8 @@ def check_arrays(state: Mapping[str, npt.NDArray[Any]], present: State, loose: s
         loose: names of the arrays whose length may differ.
 
     Raises:
-        StateError: a name is missing, or its array has another dtype or shape.
+        StateError: a name is missing, or its array has another dtype or shape, or holds what is no
+            finite number.
     """
     for name, mine in present.items():
         theirs = state.get(name)
@@ -63,6 +75,11 @@ def check_arrays(state: Mapping[str, npt.NDArray[Any]], present: State, loose: s
             raise StateError(
                 f"{name} of the state is {theirs.dtype} of shape {theirs.shape}; allowed is "
                 f"{mine.dtype} of shape {mine.shape}; pass what FlyDetector.state() gave, whole"
+            )
+        if theirs.dtype.kind == "f" and not np.isfinite(theirs).all():
+            raise StateError(
+                f"{name} of the state holds NaN or infinity; allowed are finite numbers; pass what "
+                "FlyDetector.state() gave, unchanged"
             )
 
 

@@ -84,13 +84,19 @@ def normalise(response: float, *, cells: int, scale: float) -> float:
     return _inside(math.tanh(response / (2.0 * cells * scale)))
 
 
-def share_of_total(response: float, total: float) -> float:
-    """Bring a response into (−1, 1) by dividing by the sum of both directions.
+def shares_of_total(lp: tuple[float, float, float, float]) -> tuple[float, float]:
+    """HS and VS as shares of what they are the difference of, each in (−1, 1).
 
     Args:
-        response: HS or VS, the difference of two directions.
-        total: the sum of the two.
+        lp: LP of right, left, up and down; see `lobula_plate`.
     """
+    return (
+        _share(horizontal_system(lp), lp[RIGHT] + lp[LEFT]),
+        _share(vertical_system(lp), lp[UP] + lp[DOWN]),
+    )
+
+
+def _share(response: float, total: float) -> float:
     return _inside(response / total) if total > 0.0 else 0.0
 
 
@@ -99,7 +105,13 @@ def _inside(value: float) -> float:
 
 
 def winner_take_all(
-    hs: float, vs: float, *, snr: tuple[float, float], snr_floor: float
+    hs: float,
+    vs: float,
+    *,
+    snr: tuple[float, float],
+    snr_floor: float,
+    shares: tuple[float, float] = (1.0, 1.0),
+    share_floor: float = 0.0,
 ) -> Direction:
     """Direction of the stronger system, or none where it does not stand out.
 
@@ -110,10 +122,13 @@ def winner_take_all(
         vs: normalised vertical response.
         snr: signal-to-noise ratio of either; see `signal_to_noise`.
         snr_floor: least ratio that counts as motion.
+        shares: either as a share of both directions' sum; see `shares_of_total`.
+        share_floor: least share, of either sign, that counts as motion.
     """
     is_horizontal = abs(hs) >= abs(vs)
     response, ratio = (hs, snr[0]) if is_horizontal else (vs, snr[1])
-    if response == 0.0 or ratio < snr_floor:
+    share = abs(shares[0] if is_horizontal else shares[1])
+    if response == 0.0 or ratio < snr_floor or share < share_floor:
         return Direction.NONE
     if is_horizontal:
         return Direction.RIGHT if response > 0 else Direction.LEFT

@@ -104,11 +104,15 @@ class TimeSurfaces:
         state = {name: getattr(self, f"_{name}").copy() for name in _ARRAYS}
         return state | {"hop_events": np.array(self._hop_events), "slot": np.array(self._slot)}
 
-    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
+    def restore(self, state: dict[str, npt.NDArray[Any]], *, now_us: int) -> None:
         """Go on from what `state` of the same configuration and sensor gave.
 
+        Args:
+            state: candidate.
+            now_us: time that the stream has reached [µs].
+
         Raises:
-            StateError: the memory of events contradicts itself.
+            StateError: the memory of events, or the clock, contradicts itself.
         """
         times, pixels, clock = state["times"], state["pixels"], state["clock"]
         kept = clock[_NEWEST] - clock[_OLDEST]
@@ -120,10 +124,29 @@ class TimeSurfaces:
                 f"the state keeps {kept} events in a memory of {times.size}, and its bounds "
                 f"{clock[2:].tolist()} do not fit; pass what FlyDetector.state() gave, whole"
             )
+        self._check_clock(times, clock, now_us)
         for name in _ARRAYS:
             setattr(self, f"_{name}", np.ascontiguousarray(state[name]).copy())
         self._hop_events = state["hop_events"].tolist()
         self._slot = int(state["slot"]) % len(self._hop_events)
+
+    def _check_clock(
+        self, times: npt.NDArray[np.int64], clock: npt.NDArray[np.int64], now_us: int
+    ) -> None:
+        """Refuse a clock ahead of the stream, or kept events that it cannot hold."""
+        last_us, unit_us, oldest, _, newest = clock.tolist()
+        kept = times[np.arange(oldest, newest) % times.size]
+        in_order = np.concatenate([[unit_us], kept, [last_us]])
+        span_us = max(self._constants[1], self._config.window_us)
+        if (
+            not (0 <= last_us <= now_us and last_us - unit_us <= span_us)
+            or (np.diff(in_order) < 0).any()
+        ):
+            raise StateError(
+                f"the state's last event is at {last_us} µs, and what it keeps begins at "
+                f"{int(in_order[:2].max())} µs; allowed are times in order, up to {now_us} µs; "
+                "pass what FlyDetector.state() gave, whole"
+            )
 
     def forget(self) -> None:
         """Be as new: the same events then give the same bits as they give a new one."""

@@ -30,6 +30,7 @@ import math
 from dataclasses import dataclass, fields, replace
 from typing import Self
 
+from emulator._arguments import check_config
 from emulator._ranges import check_ranges
 from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
@@ -165,6 +166,9 @@ class Biases:
 def with_biases(config: SensorConfig, biases: Biases) -> SensorConfig:
     """A sensor whose thresholds, bandwidths and refractory period come from bias currents.
 
+    All of them do, whichever bias was named: the others are the maker's defaults, whose thresholds
+    and follower are not those of `SensorConfig`.
+
     Args:
         config: the sensor otherwise.
         biases: its bias currents.
@@ -173,8 +177,15 @@ def with_biases(config: SensorConfig, biases: Biases) -> SensorConfig:
         The configuration in plain numbers; the refractory period is rounded to 1 µs.
 
     Raises:
-        SensorConfigError: the biases lead out of the range of a parameter.
+        SensorConfigError: the sensor or the biases are none, or the biases lead out of the range
+            of a parameter.
     """
+    check_config(config)
+    if not isinstance(biases, Biases):
+        raise SensorConfigError(
+            f"the biases are {biases!r}; allowed is a Biases; make one, such as "
+            "Biases(on=Bias(5, 255)), or Biases() for the maker's defaults"
+        )
     return replace(
         config,
         theta_on=biases.theta_on,

@@ -75,6 +75,8 @@ class SensorConfig:
         theta_on: rise of ln(current) that makes an ON event (v2e, from the maker's biases).
         theta_off: fall of ln(current) that makes an OFF event (v2e, from the maker's biases).
         theta_mismatch: standard deviation of either threshold over pixels (Brandli 2014: 3.5 %).
+            A threshold drawn below 0.01 is set to 0.01 (assumed): with a mismatch of the order of
+            the threshold, such as 1, the spread is no longer normal, and many pixels are at 0.01.
         bandwidth_hz_per_lux: photoreceptor cutoff per lux on the chip [Hz/lux]. Assumed, from
             f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of v2e's
             night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that is light

@@ -8,23 +8,22 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from emulator._arguments import check_config, check_seed, check_threads
 from emulator._crew import Crew
 from emulator.aps import Aps, ApsFrame
 from emulator.arbiter import Arbiter, Latency, Readout
 from emulator.batch import empty_batch
 from emulator.config import UNLIMITED_HZ, SensorConfig
-from emulator.errors import SensorConfigError
 from emulator.event_keys import Keys, unpack_keys
 from emulator.events import Events, empty_events
-from emulator.frames import Window, check_frame, check_luminance, check_time, check_window
+from emulator.frames import Window, check_frame, check_luminance, check_time, check_window, pairs
 from emulator.pixel_step import step_pixels
-from emulator.pixels import PixelState, draw_pixels, make_model, settled_state
+from emulator.pixels import Pixels, PixelState, draw_pixels, make_model, settled_state
 from emulator.scan import find_work, look_everywhere, look_within, no_work
 
 _DEFAULT = SensorConfig()
 _STREAM = 0
 _KEYS_AT_FIRST = 4096
-_THREADS_MAX = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +51,8 @@ class Davis346:
     Args:
         config: the sensor and its lens.
         seed: of everything random. Same seed, same light: the same output, bit for bit.
-        threads: how many share a step; their number changes nothing but the time it takes.
+        threads: how many share a step, 1 to 64; their number changes nothing but the time it takes.
+            At 346×260 two are no faster than one.
 
     Raises:
         SensorConfigError: what is given is no `SensorConfig`, the seed is negative or no integer,
@@ -60,56 +60,23 @@ class Davis346:
     """
 
     def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
-        if not isinstance(config, SensorConfig):
-            raise SensorConfigError(
-                f"the sensor is {config!r}; allowed is a SensorConfig; make one, or take one by "
-                "name with preset, such as preset('davis346')"
-            )
-        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-            raise SensorConfigError(
-                f"the seed is {seed!r}; allowed is a whole number from 0; choose one, such as 1"
-            )
-        if (
-            isinstance(threads, bool)
-            or not isinstance(threads, int | np.integer)
-            or not 1 <= threads <= _THREADS_MAX
-        ):
-            raise SensorConfigError(
-                f"threads is {threads!r}; allowed is a whole number from 1 to {_THREADS_MAX}; "
-                "give one for each core that the sensor may use"
-            )
-        threads = int(threads)
-        self.config = config
-        pixels = config.width * config.height
-        rng = np.random.default_rng((int(seed), _STREAM))
+        self.config = check_config(config)
+        seed, threads = check_seed(seed), check_threads(threads)
+        rng = np.random.default_rng((seed, _STREAM))
         self._pixels = draw_pixels(config, rng)
         self._model = make_model(config, rng.integers(2**64, dtype=np.uint64))
-        phase = rng.random(pixels, np.float32)
-        if config.leak_hz > 0.0 or config.leak_hz_per_lux > 0.0:
-            self._pixels["leak"] = np.where(
-                np.isfinite(self._pixels["theta_on"]), self._pixels["theta_on"] * phase, 0.0
-            )
+        _draw_leak_phases(self._pixels, config, rng)
         self._aps = Aps(
             config.aps,
             lux_per_cd_m2=self._model.lux_per_cd_m2,
             dark_lux=self._model.dark_lux,
-            seed=int(seed),
+            seed=seed,
         )
-        self._arbiter = (
-            Latency(config.readout_latency_us)
-            if config.readout_limit_hz >= UNLIMITED_HZ
-            else Arbiter(
-                width=config.width,
-                height=config.height,
-                limit_hz=config.readout_limit_hz,
-                latency_us=config.readout_latency_us,
-                refractory_us=config.refractory_us,
-            )
-        )
+        self._arbiter = _readout_of(config)
         self._state: PixelState | None = None
         self._first_us = 0
         self._last_us: int | None = None
-        self._work = no_work(pixels)
+        self._work = no_work(config.width * config.height)
         self._keys = [np.empty(_KEYS_AT_FIRST, np.int64) for _ in range(threads)]
         self._batches = [empty_batch() for _ in range(threads)]
         self._crew = Crew(threads)
@@ -165,9 +132,9 @@ class Davis346:
         It may be called again with the frames that follow: how a sequence is cut changes nothing.
 
         Raises:
-            FrameError: as `step` does, at the frame concerned.
+            FrameError: as `step` does, at the frame concerned, or an item that is no pair.
         """
-        for t_us, luminance_cd_m2 in frames:
+        for t_us, luminance_cd_m2 in pairs(frames):
             yield self.step(t_us, luminance_cd_m2)
 
     def _begin(self, t_us: int, frame: npt.NDArray[np.float32]) -> None:
@@ -208,3 +175,27 @@ class Davis346:
 
         found = self._crew.share(run)
         return found[0] if parts == 1 else np.concatenate(found)
+
+
+def _draw_leak_phases(pixels: Pixels, config: SensorConfig, rng: np.random.Generator) -> None:
+    """Start the leak of each pixel somewhere on its way to the threshold.
+
+    The phases are drawn even if they are not used: what is drawn after them stays the same.
+    """
+    phase = rng.random(pixels.size, np.float32)
+    if config.leak_hz > 0.0 or config.leak_hz_per_lux > 0.0:
+        theta_on = pixels["theta_on"]
+        pixels["leak"] = np.where(np.isfinite(theta_on), theta_on * phase, 0.0)
+
+
+def _readout_of(config: SensorConfig) -> Arbiter | Latency:
+    """What reads the events out."""
+    if config.readout_limit_hz >= UNLIMITED_HZ:
+        return Latency(config.readout_latency_us)
+    return Arbiter(
+        width=config.width,
+        height=config.height,
+        limit_hz=config.readout_limit_hz,
+        latency_us=config.readout_latency_us,
+        refractory_us=config.refractory_us,
+    )

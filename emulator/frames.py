@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from operator import index
 from typing import TypeAlias
 
@@ -20,6 +21,35 @@ MAX_TIME_US = 2**62
 MAX_LUMINANCE_CD_M2 = 1e10
 """Brightest light that the sensor takes: six times the disc of the sun."""
 
+_ITEM_BYTES = 4
+"""Of float32: what is wider is rounded to it."""
+
+
+def pairs(
+    samples: Iterable[tuple[int, npt.ArrayLike]],
+) -> Iterator[tuple[int, npt.ArrayLike]]:
+    """Go through (time, luminance) pairs.
+
+    Raises:
+        FrameError: what is given cannot be gone through, or an item is no pair.
+    """
+    try:
+        iterator = iter(samples)
+    except TypeError:
+        raise FrameError(
+            f"the frames are {samples!r}; allowed is an iterable of (time [µs], luminance [cd/m²]) "
+            "pairs; give a list or a generator of them"
+        ) from None
+    for item in iterator:
+        try:
+            t_us, luminance_cd_m2 = item
+        except (TypeError, ValueError):
+            raise FrameError(
+                f"the frames hold a {type(item).__name__} that is no pair; allowed are (time [µs], "
+                "luminance [cd/m²]) pairs; yield them as t_us, luminance"
+            ) from None
+        yield t_us, luminance_cd_m2
+
 
 def check_frame(
     luminance_cd_m2: npt.ArrayLike, *, width: int, height: int
@@ -35,9 +65,16 @@ def check_frame(
         The frame, (height, width) float32, contiguous; the same array where it was one already.
 
     Raises:
-        FrameError: another shape, or not floating point.
+        FrameError: another shape, not floating point, or negative by so little that it would be
+            rounded to zero.
     """
-    frame = np.asarray(luminance_cd_m2)
+    try:
+        frame = np.asarray(luminance_cd_m2)
+    except (TypeError, ValueError):
+        raise FrameError(
+            f"the frame is a {type(luminance_cd_m2).__name__} that makes no array; allowed is "
+            f"({height}, {width}) floating point luminance; give every row the same length"
+        ) from None
     if frame.shape != (height, width):
         raise FrameError(
             f"the frame has shape {frame.shape}; allowed is ({height}, {width}), rows by columns; "
@@ -48,11 +85,13 @@ def check_frame(
             f"the frame has dtype {frame.dtype}; allowed is floating point luminance in cd/m²; "
             "multiply grey levels by the cd/m² of one level first"
         )
+    if frame.itemsize > _ITEM_BYTES and (frame < 0.0).any():
+        check_luminance(frame)
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(frame, np.float32)
 
 
-def check_luminance(frame: npt.NDArray[np.float32]) -> None:
+def check_luminance(frame: npt.NDArray[np.floating]) -> None:
     """Refuse what cannot be light.
 
     Args:

@@ -17,6 +17,9 @@ from emulator.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
 PresetName = Literal["davis346", "davis240", "dvs128", "ideal", "v2e_clean", "v2e_noisy"]
 """Names that `preset` knows."""
 
+WITHOUT_FRAMES: frozenset[PresetName] = frozenset({"dvs128"})
+"""Those of chips that give events only; the emulator's frames of them are to be left."""
+
 _NO_LIMIT_HZ_PER_LUX = 1e15
 _V2E_SHOT_HZ = 5.0
 

@@ -40,7 +40,7 @@ class Characterise:
     seed: int = 0
     """Seed of everything random; the same gives the same figures."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder to write; a name under logs/ that tells the sensor where not given."""
+    """Folder to write, in place of flybench's own; a telling name under logs/ where not given."""
 
     def execute(self) -> int:
         """Run all experiments, write the folder, and print the figures."""
@@ -53,7 +53,9 @@ class Characterise:
         check_output(folder)
         start_s = time.perf_counter()
         with progress_bar() as progress:
-            sheet = characterise(config, seed=self.seed, progress=progress.track(name))
+            sheet = characterise(
+                config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
+            )
         wall_s = time.perf_counter() - start_s
         with whole_folder(folder) as work:
             write_sheet(work, sheet, changes=self.sensor.changes(), wall_s=wall_s)
@@ -95,7 +97,7 @@ def print_sheet(sheet: Datasheet) -> None:
     for section in sheet.sections.values():
         table = Table(title=section.title, title_justify="left", box=SIMPLE_HEAD, width=width)
         table.add_column("figure", ratio=1)
-        for head, letters in (("measured", 15), ("published", 13), ("difference", 10)):
+        for head, letters in (("measured", 15), ("published", 15), ("difference", 10)):
             table.add_column(head, justify="right", no_wrap=True, width=letters)
         if sources:
             table.add_column("source", width=13)
@@ -108,6 +110,8 @@ def print_sheet(sheet: Datasheet) -> None:
             )
             table.add_row(*cells, *((rows.short_source(quantity),) if sources else ()))
         console.print(table)
+    if note := rows.footnote(sheet):
+        console.print(note)
 
 
 if __name__ == "__main__":

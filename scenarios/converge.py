@@ -95,7 +95,7 @@ class Converge:
     piece_px: float = 3.0
     """Length of the piece, in motion of the vehicle [px]."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the table as CSV; nothing is written without."""
+    """Folder for the table as CSV, in place of what flybench wrote there; nothing without."""
 
     def execute(self) -> int:
         """Draw, compare, print, and write the table if asked to."""

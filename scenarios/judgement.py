@@ -88,9 +88,10 @@ def judge(
         (the wrong sign), sideways (the wrong axis), none; steps_in_view; latency_ms: from the
         first pixel in view to the first right step, None where there was none, or where the target
         is in view from the start (t = 0), since then nobody knows when it entered; roi_iou: overlap
-        of the region of interest with the target's box, mean over the steps after 100 ms, 0 where
-        there is no region; centroid_error_px: distance from the view centre to the target's
-        centroid, mean over the same steps; grms: of the response [1/s], see `metrics.grms`.
+        of the region of interest with the target's box, mean over the steps after 100 ms, a step
+        without a region as 0, None where no estimate of all names one; centroid_error_px: distance
+        from the view centre to the target's centroid, mean over the same steps; grms: of the
+        response [1/s], see `metrics.grms`.
     """
     truth = Direction(direction)
     settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]
@@ -104,7 +105,7 @@ def judge(
         **_mistakes(settled, truth),
         "steps_in_view": len(within(estimates, in_view_us)),
         "latency_ms": None if latency_us is None else latency_us / 1e3,
-        **_attention(settled, target),
+        **_attention(settled, target, has_region=any(e.roi_px is not None for e in estimates)),
         "grms": grms(estimates, crossing_us=in_view_us),
     }
 
@@ -130,7 +131,9 @@ def _mistakes(settled: Sequence[MotionEstimate], truth: Direction) -> dict[str, 
     }
 
 
-def _attention(settled: Sequence[MotionEstimate], target: Target) -> dict[str, float | None]:
+def _attention(
+    settled: Sequence[MotionEstimate], target: Target, *, has_region: bool
+) -> dict[str, float | None]:
     overlaps, errors = [], []
     for e in settled:
         box, centroid = target.box_px(e.t_us), target.centroid_px(e.t_us)
@@ -138,6 +141,6 @@ def _attention(settled: Sequence[MotionEstimate], target: Target) -> dict[str, f
             overlaps.append(intersection_over_union(e.roi_px, box))
             errors.append(centroid_error_px(e.view_centre_px, centroid))
     return {
-        "roi_iou": fmean(overlaps) if overlaps else None,
+        "roi_iou": fmean(overlaps) if overlaps and has_region else None,
         "centroid_error_px": fmean(errors) if errors else None,
     }

@@ -33,6 +33,9 @@ VELOCITY_METHODS = frozenset({CONTRAST, PLANE_FIT})
 """Those whose `MotionEstimate.response` is the image velocity itself [px/s]."""
 _CALLS = ("push", "advance")
 _NUMBERS = ("t_us", "hs", "vs", "strength", "response", "view_centre_px")
+_SPANS = {"hs": (-1, 1), "vs": (-1, 1), "strength": (0, 1)}
+"""Lowest and highest value of what is normalised."""
+_PAIRS = ("response", "view_centre_px")
 
 
 class MethodError(ScenarioError):
@@ -129,7 +132,8 @@ def read(
 
     Raises:
         MethodError: what it answers is no list of estimates, or one of them is no later than the
-            one before, or holds what is no finite number, no direction or no box.
+            one before, or holds what is no finite number, outside its range, no direction or no
+            box.
     """
     estimates: list[MotionEstimate] = []
     taken = 0
@@ -150,6 +154,7 @@ def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstim
     if isinstance(answer, list) and all(isinstance(e, MotionEstimate) for e in answer):
         for estimate in answer:
             _check_numbers(detector, call, estimate)
+            _check_ranges(detector, call, estimate)
             _check_kinds(detector, call, estimate)
         return answer
     kinds = {type(e).__name__ for e in answer} if isinstance(answer, list) else set()
@@ -175,6 +180,23 @@ def _check_numbers(detector: Detector, call: str, estimate: MotionEstimate) -> N
             )
 
 
+def _check_ranges(detector: Detector, call: str, estimate: MotionEstimate) -> None:
+    found = f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose"
+    for name, (low, high) in _SPANS.items():
+        value: Any = getattr(estimate, name)
+        if np.shape(value) != () or not low <= value <= high:
+            raise MethodError(
+                f"{found} {name} is {value!r}; allowed is {low} to {high}; bring it there, with "
+                "math.tanh for example"
+            )
+    for name in _PAIRS:
+        if np.shape(getattr(estimate, name)) != (2,):
+            raise MethodError(
+                f"{found} {name} is {getattr(estimate, name)!r}; allowed are two numbers, one "
+                "along x and one along y"
+            )
+
+
 def _check_kinds(detector: Detector, call: str, estimate: MotionEstimate) -> None:
     direction: Any = estimate.direction
     box: Any = estimate.roi_px
@@ -184,11 +206,19 @@ def _check_kinds(detector: Detector, call: str, estimate: MotionEstimate) -> Non
             f"direction is {direction!r}; allowed is a detector.estimate.Direction, such as "
             "Direction.RIGHT; make one of a word with Direction(word)"
         )
-    if box is not None and np.shape(box) != (4,):
+    if box is not None and not _is_box(box):
         raise MethodError(
             f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose "
-            f"roi_px is {box!r}; allowed is (x0, y0, x1, y1), or None where there is no region"
+            f"roi_px is {box!r}; allowed is (x0, y0, x1, y1) with 0 ≤ x0 < x1 and 0 ≤ y0 < y1, or "
+            "None where there is no region"
         )
+
+
+def _is_box(box: Any) -> bool:
+    if np.shape(box) != (4,):
+        return False
+    x0, y0, x1, y1 = box
+    return bool(0 <= x0 < x1 and 0 <= y0 < y1)
 
 
 def _check_order(detector: Detector, estimates: Sequence[MotionEstimate]) -> None:

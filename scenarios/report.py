@@ -85,7 +85,7 @@ def _detector(found: dict[str, Any]) -> dict[str, str]:
         "right steps in view": f"{percent(found['accuracy'])} of {found['steps_in_view']}",
         "after 100 ms in view": percent(found["accuracy_after_100ms"]),
         "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
-        "ROI's overlap (IoU)": percent(found["roi_iou"]),
+        "ROI's overlap (IoU)": overlap(found["roi_iou"]),
         "view centre off by": pixels(found["centroid_error_px"]),
         "GRMS [1/s]": number(found["grms"]),
     }
@@ -108,6 +108,11 @@ def _wall(wall_s: dict[str, float]) -> dict[str, str]:
 def percent(share: float | None) -> str:
     """A share as a percentage; None is a share of nothing."""
     return "no step" if share is None else f"{100 * share:.0f} %"
+
+
+def overlap(share: float | None) -> str:
+    """An overlap as a percentage; None is of a method without a region, or of no step."""
+    return "–" if share is None else percent(share)
 
 
 def pixels(value: float | None) -> str:

@@ -88,7 +88,7 @@ class Run:
     events_format: tuple[EventsFormat, ...] = ()
     """Further files of the events, beside events.h5; aedat4 holds the APS frames too."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder to write; a name under logs/ that tells the parameters where not given."""
+    """Folder to write, in place of flybench's own; a telling name under logs/ where not given."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
 
     def config(self) -> RunConfig:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import hashlib
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -27,13 +27,36 @@ from typing import Annotated, Any, get_args
 
 import tyro
 
-from emulator import ApsConfig, Bias, Biases, SensorConfig, preset, with_biases
-from emulator.presets import PresetName
+from emulator import (
+    ApsConfig,
+    Bias,
+    Biases,
+    SensorConfig,
+    SensorConfigError,
+    preset,
+    with_biases,
+)
+from emulator.presets import WITHOUT_FRAMES, PresetName
 from scenarios.errors import ScenarioError
 
 DEFAULT: PresetName = "davis346"
 _PRESET, _APS, _BIASES = "preset", "aps", "biases"
 _BARE_WORD = re.compile(r"[A-Za-z_]\w*")
+_SET_HELP = (
+    "What else is different, such as theta_on=0.25 aps.shutter=rolling. One bias, such as "
+    "biases.on=[6,200], takes thresholds, bandwidths and refractory period from bias currents, all "
+    "of them: those not named are the maker's, not those of the preset"
+)
+_Groups = Annotated[
+    tuple[tuple[str, ...], ...],
+    tyro.conf.UseAppendAction,
+    tyro.conf.arg(name="set", metavar="NAME=VALUE", help=_SET_HELP),
+]
+
+
+def _joined(groups: _Groups = ()) -> tuple[str, ...]:
+    """Values of `--set`, given one after another or with the flag repeated."""
+    return tuple(value for group in groups for value in group)
 
 
 @dataclass(frozen=True)
@@ -46,17 +69,20 @@ class SensorOptions:
     """Which sensor; davis346 where not given."""
     config: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """TOML file of what is different: theta_on = 0.25, and tables [aps] and [biases]."""
-    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=VALUE")] = ()
-    """What else is different, such as theta_on=0.25 aps.shutter=rolling biases.on=[6,200]."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(name="", constructor=_joined)] = ()
+    """What else is different: NAME=VALUE, each name once."""
 
     def changes(self) -> dict[str, Any]:
         """What the arguments ask for, as the file would hold it, preset included.
 
         Raises:
-            ScenarioError: the file cannot be read, or an argument is no NAME=VALUE.
+            ScenarioError: the file cannot be read, an argument is no NAME=VALUE, or a name is
+                given twice.
         """
         merged: dict[str, Any] = {} if self.config is None else _read(self.config)
-        for name, value in map(_parsed, self.set):
+        given = [_parsed(argument) for argument in self.set]
+        _check_once([name for name, _ in given])
+        for name, value in given:
             *tables, key = name.split(".")
             place = merged
             for table in tables:
@@ -75,6 +101,11 @@ class SensorOptions:
             SensorConfigError: a value is outside its range, or the preset unknown.
         """
         return sensor_of(self.changes())
+
+    @property
+    def frames(self) -> bool:
+        """Whether the preset's chip has frames."""
+        return str(self.changes()[_PRESET]) not in WITHOUT_FRAMES
 
     @property
     def name(self) -> str:
@@ -113,7 +144,14 @@ def _biases_of(codes: Mapping[str, Any]) -> Biases:
                 f"{_BIASES}.{name} is {pair!r}; allowed is a coarse and a fine code; give them as "
                 f"{name} = [5, 255]"
             )
-    return Biases(**{name: Bias(*pair) for name, pair in codes.items()})
+    return Biases(**{name: _bias(name, *pair) for name, pair in codes.items()})
+
+
+def _bias(name: str, coarse: Any, fine: Any) -> Bias:
+    try:
+        return Bias(coarse, fine)
+    except SensorConfigError as error:
+        raise SensorConfigError(f"{_BIASES}.{name}: {error}") from None
 
 
 def _table(changes: Mapping[str, Any], name: str, kind: type) -> Mapping[str, Any]:
@@ -142,6 +180,15 @@ def _no_such(full: str, name: str, kind: type) -> ScenarioError:
     return ScenarioError(
         f"a sensor has no {full!r}; allowed here is one of {', '.join(allowed)}; {remedy}"
     )
+
+
+def _check_once(names: Sequence[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise ScenarioError(
+                f"--set has {name} {names.count(name)} times; allowed is each name once; leave "
+                "all but one out"
+            )
 
 
 def _parsed(argument: str) -> tuple[str, Any]:

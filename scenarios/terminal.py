@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, Protocol
 
 import tyro
@@ -17,6 +17,7 @@ from detector.errors import DetectorError
 from emulator import EmulatorError
 from formats.errors import FormatError
 from scenarios.errors import ScenarioError
+from scenarios.repetition import refuse_repetition
 from sim import SimError
 
 REFUSALS = (SimError, EmulatorError, DetectorError, FormatError, ScenarioError)
@@ -79,6 +80,7 @@ def script(command: Any) -> None:
     """Run a command class from the command line, and end the process with its status."""
     try:
         chosen = tyro.cli(command)
+        refuse_repetition(sys.argv[1:], also_several=getattr(chosen, "TAKES_SEVERAL", ()))
     except REFUSALS as refusal:  # of an argument that checks itself when made
         print(f"flybench: {refusal}", file=sys.stderr)
         sys.exit(2)
@@ -90,15 +92,39 @@ def execute(command: Command) -> int:
 
     Being told to end is taken as an interrupt, so that what was begun is cleaned up.
     """
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    _end_as_if_interrupted()
     try:
         return command.execute()
     except REFUSALS as refusal:
         print(f"flybench: {refusal}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("flybench: interrupted", file=sys.stderr)
-        return 130
+        return _interrupted()
+    except SystemError as error:
+        if not _is_interrupt(error):
+            raise
+        return _interrupted()
     except BrokenPipeError:  # whoever read our output has enough; what is left goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+
+
+def _end_as_if_interrupted() -> None:
+    """Take being told to end, and a terminal that closes, as Ctrl-C; but heed nohup."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    hang_up = getattr(signal, "SIGHUP", None)  # not on Windows
+    if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
+        signal.signal(hang_up, signal.default_int_handler)
+
+
+def _interrupted() -> int:
+    with suppress(OSError):  # the terminal may be gone
+        print("flybench: interrupted", file=sys.stderr)
+    return 130
+
+
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Whether it came of Ctrl-C: one within compiled code comes out of numba as a SystemError."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None

@@ -25,7 +25,7 @@ from scenarios.methods import FLY
 from scenarios.output import check_output, whole_folder, write_summary
 from scenarios.pipeline import make_crossing, make_detector
 from scenarios.repeats import run_repeats
-from scenarios.report import number, percent, pixels
+from scenarios.report import number, overlap, percent, pixels
 from scenarios.summary import versions
 from scenarios.tables import write_table
 from scenarios.terminal import Bar, progress_bar, script
@@ -69,7 +69,7 @@ class VelocitySweep:
     supersample: int = CrossingConfig.supersample
     """Drawn points per pixel along each axis."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the table and the figure of GRMS against velocity; nothing is written without."""
+    """Folder for table and figure, in place of what flybench wrote there; nothing without."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
 
     def execute(self) -> int:
@@ -177,7 +177,7 @@ def _line(rows: list[Row]) -> tuple[str, ...]:
         percent(mean("accuracy")),
         percent(mean("accuracy_after_100ms")),
         "never" if latency is None else f"{latency:.0f} ms",
-        percent(mean("roi_iou")),
+        overlap(mean("roi_iou")),
         pixels(mean("centroid_error_px")),
         number(mean("grms")),
     )

@@ -37,6 +37,10 @@ class View:
 
     def execute(self) -> int:
         """Open it; returns the viewer's exit status."""
+        if self.screenshot is not None and self.screenshot.suffix.lower() != ".png":
+            raise ScenarioError(
+                f"--screenshot is {self.screenshot}; allowed is a name that ends in .png; add it"
+            )
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
             screenshot(recordings[0], self.screenshot, at_s=self.at_s)
@@ -62,13 +66,13 @@ def find_recordings(path: Path, name: str | None = None) -> list[Path]:
         ScenarioError: there is none, or none of that name.
     """
     study = path / RECORDINGS
-    found = sorted(file for file in study.glob(f"*{SUFFIX}") if _is_recording(file))
+    found = sorted(file for file in study.glob(f"*{SUFFIX}") if is_recording(file))
     if found and name is None:
         return found
     if name is not None:
         return [_named(found, name, study)]
     recording = path / RECORDING if path.is_dir() else path
-    if not recording.is_file() or not _is_recording(recording):
+    if not recording.is_file() or not is_recording(recording):
         raise ScenarioError(
             f"there is no recording at {path}; allowed is a folder that flybench run or flybench "
             f"study wrote, or an {SUFFIX} file; make one with: flybench run"
@@ -91,7 +95,7 @@ def _named(found: list[Path], name: str, study: Path) -> Path:
     return found[names.index(name)]
 
 
-def _is_recording(path: Path) -> bool:
+def is_recording(path: Path) -> bool:
     """Whether a file begins as Rerun's files do."""
     with path.open("rb") as file:
         return file.read(len(MAGIC)) == MAGIC

@@ -5,6 +5,11 @@ same seed, same light, is read out twice: by a bus without limits, which shows w
 and by its arbiter. A pixel waits with one event at a time, and after it was read it is in reset for
 its refractory period; so the event that comes out is the first that the pixel made since, which
 gives its delay.
+
+Rates are counted between two time stamps, late enough for the queue to have filled: a row's events
+share the stamp of its grant, so that of the last row the bus has carried none yet at its stamp, and
+of the first all until the next. Over the whole of a short record the last row would count as
+carried, and the bus would seem to carry more than it can.
 """
 
 from __future__ import annotations
@@ -38,8 +43,12 @@ _SAMPLES = 24
 """A cycle: straight lines between them stay within 1 % of the sine."""
 _LEAST_SAMPLES, _MOST_SAMPLES = 60, 200
 """From two and a half cycles to eight."""
+_SETTLING = 0.3
+"""Share of a record in which the queue fills, and which does not count."""
 _EVENTS = 120_000
 """About how many are drawn at each load."""
+_LOSS = 0.01
+"""Share of the events whose loss makes a readout crowded."""
 _TIME_BITS = 40
 """Of a key that holds pixel and time: 12 days."""
 _SHORTEST_US = 0.01
@@ -53,8 +62,8 @@ class Load:
     """The readout under one load.
 
     Attributes:
-        in_hz: events that the pixels make a second [Hz].
-        out_hz: events that come out a second [Hz].
+        in_hz: events that the pixels make a second [Hz], counted over the same time as out_hz.
+        out_hz: events that come out a second [Hz], see `rates_hz`.
         mean_us: mean delay of those [µs].
         slowest_us: delay that one in a hundred of them exceeds [µs].
     """
@@ -74,7 +83,6 @@ def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load 
         readout_latency_us=config.readout_latency_us,
     )
     samples = _flicker(free, flicker_hz, seed)
-    duration_s = samples[-1][0] * 1e-6
     made = record(free, samples, seed=seed).events
     passed = record(bound, samples, seed=seed).events
     delays = delays_us(
@@ -83,14 +91,33 @@ def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load 
         width=WIDTH,
         reset_us=max(1, config.refractory_us) - config.readout_latency_us,
     )
-    if delays.size == 0:
+    rates = rates_hz(made, passed, from_us=round(_SETTLING * samples[-1][0]))
+    if delays.size == 0 or rates is None:
         return None
     return Load(
-        made.size / duration_s,
-        passed.size / duration_s,
+        *rates,
         float(delays.mean()),
         float(np.percentile(delays, 99.0)),
     )
+
+
+def rates_hz(made: Events, passed: Events, *, from_us: int) -> tuple[float, float] | None:
+    """Rates in and out, from the first stamp after a time to the last stamp.
+
+    Args:
+        made: events as the pixels make them, sorted by t.
+        passed: events as they come out, sorted by t.
+        from_us: when to begin [µs].
+
+    Returns:
+        Events a second, made and passed on [Hz]; None where fewer than two stamps are left.
+    """
+    stamps = passed["t"][passed["t"] >= from_us]
+    if stamps.size == 0 or stamps[0] == stamps[-1]:
+        return None
+    span_us = int(stamps[-1] - stamps[0])
+    number = [np.diff(np.searchsorted(x["t"], stamps[[0, -1]])).item() for x in (made, passed)]
+    return 1e6 * number[0] / span_us, 1e6 * number[1] / span_us
 
 
 def delays_us(made: Events, passed: Events, *, width: int, reset_us: int) -> Longs:
@@ -119,9 +146,11 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     found = [measure_load(config, flicker_hz=float(f), seed=seed) for f in decades(1.0, 1000.0, 4)]
     loads = [load for load in found if load is not None]
     rates = np.array([load.in_hz for load in loads])
-    losing_hz = rate_that_loses(loads, 0.01)
-    most_hz = None if losing_hz is None else max(load.out_hz for load in loads)
-    unlimited = "" if losing_hz is not None else "all that the pixels made came out"
+    losing_hz = rate_that_loses(loads, _LOSS)
+    crowded = any(load.out_hz < (1.0 - _LOSS) * load.in_hz for load in loads)
+    most_hz = max(load.out_hz for load in loads) if crowded else None
+    unlimited = "" if crowded else "all that the pixels made came out"
+    never_calm = "the slowest flicker loses more" if crowded and losing_hz is None else ""
     return Section(
         "Readout",
         f"{WIDTH}×{HEIGHT} pixels flicker by {math.exp(SWING):.1f} to 1, each with a phase of its "
@@ -133,7 +162,7 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
             Quantity(
                 "greatest rate out", "Mev/s", _mega(most_hz), sources.ARBITER_MEV_S, unlimited
             ),
-            Quantity("rate in that loses 1 %", "Mev/s", _mega(losing_hz)),
+            Quantity("rate in that loses 1 %", "Mev/s", _mega(losing_hz), note=never_calm),
             Quantity("mean delay at half the greatest rate", "µs", _delay_at(loads, most_hz, 0.5)),
             Quantity(
                 "longest delay but for 1 %", "µs", max((x.slowest_us for x in loads), default=None)
@@ -156,8 +185,11 @@ def rate_that_loses(loads: list[Load], share: float) -> float | None:
 
 
 def _delay_at(loads: list[Load], most_hz: float | None, share: float) -> float | None:
-    """Mean delay where `share` of the greatest rate comes in, by interpolation [µs]."""
-    if most_hz is None:
+    """Mean delay where `share` of the greatest rate comes in, by interpolation [µs].
+
+    None where nothing was lost, or no load was as low.
+    """
+    if most_hz is None or share * most_hz < loads[0].in_hz:
         return None
     rates = np.log([load.in_hz for load in loads])
     return float(np.interp(math.log(share * most_hz), rates, [load.mean_us for load in loads]))

@@ -15,6 +15,7 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
+from emulator.characterisation._size import check_size
 from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
 from emulator.errors import FitError
@@ -68,9 +69,10 @@ def fit_ramps(
 
     Raises:
         EventError: the events are no sorted stream from such a sensor.
-        FitError: corners that do not rise in time, are not finite, fewer than two or unlike in
-            number, or a drift that is negative or not finite.
+        FitError: a size that is none, corners that do not rise in time, are not finite, fewer than
+            two or unlike in number, or a drift that is negative or not finite.
     """
+    width, height = check_size(width, height)
     check_events(events, width=width, height=height)
     times, light = _corners(t_us, log_light)
     numeric = isinstance(leak_drift_per_s, Real) and not isinstance(leak_drift_per_s, bool)

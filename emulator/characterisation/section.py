@@ -19,10 +19,12 @@ class Published:
     Attributes:
         value: in the unit of the quantity that it stands beside.
         source: who measured it, on what, under which conditions.
+        another_sensor: whether it is of another sensor than the one that was measured.
     """
 
     value: float
     source: str
+    another_sensor: bool = False
 
 
 @dataclass(frozen=True)

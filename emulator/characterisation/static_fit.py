@@ -30,6 +30,7 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
+from emulator.characterisation._size import check_size
 from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
 from emulator.errors import FitError
@@ -112,8 +113,10 @@ def fit_static(
 
     Raises:
         EventError: the events are no sorted stream from such a sensor.
-        FitError: the end is not finite or before the last event, or the drift not positive.
+        FitError: a size that is none, an end that is not finite or before the last event, or a
+            drift that is not positive.
     """
+    width, height = check_size(width, height)
     check_events(events, width=width, height=height)
     _check_known(events, end_us, leak_drift_per_s)
     healthy = ~hot_pixels(counts(events, (height, width)))

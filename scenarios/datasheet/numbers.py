@@ -49,6 +49,7 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
         "published": None if published is None else published.value,
         "difference": _finite(quantity.difference),
         "source": None if published is None else published.source,
+        "published_for_another_sensor": published is not None and published.another_sensor,
         "note": quantity.note,
     }
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from emulator import SensorConfig
 from emulator.characterisation import Datasheet, Quantity, Section
+from emulator.presets import WITHOUT_FRAMES
 from scenarios.datasheet import rows
 from scenarios.datasheet.figures import draw_svg
 from scenarios.html import card_table, document, inline_svg
@@ -45,6 +46,8 @@ def page(sheet: Datasheet, *, changes: Mapping[str, Any], versions: Mapping[str,
         "far the emulator is from it. “–” means that this sensor does not show the figure. Where a "
         "default of the emulator was set from the published figure, its source says so: to meet it "
         "proves the experiment, not the model.</p>",
+        _foreign(sheet),
+        _frameless(str(changes["preset"])),
         _navigation(sheet.sections),
         *(_section(name, section) for name, section in sheet.sections.items()),
         _settings(config),
@@ -58,6 +61,21 @@ def _alterations(altered: Mapping[str, Any]) -> str:
         return ""
     values = ", ".join(f"{name} = {value}" for name, value in _flat(altered))
     return f"<p>Altered: {escape(values)}.</p>"
+
+
+def _foreign(sheet: Datasheet) -> str:
+    """What the mark beside figures of other sensors means; nothing where there are none."""
+    return f"<p>{escape(text)}</p>" if (text := rows.footnote(sheet)) else ""
+
+
+def _frameless(name: str) -> str:
+    """That the chip has no frames; nothing where it has."""
+    if name not in WITHOUT_FRAMES:
+        return ""
+    return (
+        f"<p>The {escape(name)} has no frames: the sheet leaves them out, and the settings aps.* "
+        "mean nothing.</p>"
+    )
 
 
 def _navigation(sections: Mapping[str, Section]) -> str:

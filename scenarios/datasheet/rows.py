@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 
-from emulator.characterisation import Quantity
+from emulator.characterisation import Datasheet, Quantity
 
 NOT_MEASURED = "–"
+ANOTHER = "*"
+"""Marks what was published for another sensor."""
 
 
 def measured(quantity: Quantity) -> str:
@@ -15,8 +17,12 @@ def measured(quantity: Quantity) -> str:
 
 
 def published(quantity: Quantity) -> str:
-    """Published value with its unit; empty where there is none."""
-    return "" if quantity.published is None else with_unit(quantity.published.value, quantity.unit)
+    """Published value with its unit, marked if it is another sensor's; empty without one."""
+    known = quantity.published
+    if known is None:
+        return ""
+    mark = f" {ANOTHER}" if known.another_sensor else ""
+    return with_unit(known.value, quantity.unit) + mark
 
 
 def difference(quantity: Quantity) -> str:
@@ -35,6 +41,17 @@ def difference(quantity: Quantity) -> str:
     if share >= 1.0:
         return f"× {share + 1.0:.2g}"
     return f"{_signed(100.0 * share)} %"
+
+
+def footnote(sheet: Datasheet) -> str:
+    """What the mark means, where the sheet has it; otherwise nothing."""
+    quantities = [quantity for part in sheet.sections.values() for quantity in part.quantities]
+    if not any(x.published is not None and x.published.another_sensor for x in quantities):
+        return ""
+    return (
+        f"{ANOTHER} published for another sensor than the one measured here: the difference is "
+        "that of two sensors, and tells nothing of how true the emulator is."
+    )
 
 
 def source(quantity: Quantity) -> str:

@@ -26,6 +26,7 @@ from scenarios.output import EVENTS
 from scenarios.recording import FileRecorder
 from scenarios.report import view_command
 from scenarios.terminal import script
+from scenarios.view import is_recording
 from scenarios.whole_file import check_place, whole_file
 
 _SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
@@ -38,7 +39,8 @@ class Detect:
     file: Annotated[Path, tyro.conf.Positional]
     """The recording, or the folder of a flybench run."""
     method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
-    """Detector: fly, wide, frame-fly, contrast-maximisation, plane-fit, or package.module:Class."""
+    """Detector: fly, wide, frame-fly, frame-fly-coarse, frame-fly-no-floor, contrast-maximisation,
+    plane-fit, or package.module:Class."""
     json: bool = False
     """Print JSON on standard output, and nothing else: steps, verdict, and what was found."""
     rrd: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
@@ -61,6 +63,7 @@ class Detect:
         run = self.file / EVENTS
         path = run if run.is_file() else self.file
         self._check_outputs(path)
+        _check_events(path)
         with open_events(
             path, format=self.format, size=self._size(), time_unit=self.time_unit
         ) as file:
@@ -175,6 +178,14 @@ def _log(recorder: FileRecorder, method: str, look: Look) -> None:
         recorder.log_aps(frame)
     for estimate in look.estimates:
         recorder.log_estimate(method, estimate, look.maps)
+
+
+def _check_events(path: Path) -> None:
+    if path.is_file() and is_recording(path):
+        raise ScenarioError(
+            f"{path} is a Rerun recording, made to be looked at; allowed is a file of events; open "
+            f"it with: flybench view {path}"
+        )
 
 
 def _check_something(file: EventFile) -> None:

@@ -61,7 +61,7 @@ class Picture:
     Attributes:
         estimate: what the detector then said; None where it said nothing.
         events: of the `PICTURE_US` before.
-        frame: the last APS frame before; None where there is none.
+        frame: the last APS frame that had ended by then; None where there is none.
     """
 
     estimate: MotionEstimate | None
@@ -86,11 +86,11 @@ class Curves:
         self.picture = Picture(None, empty_events(), None)
         self._strongest = 0.0
         self._recent = empty_events()
-        self._frame: ApsFrame | None = None
+        self._frames: tuple[ApsFrame, ...] = ()
 
     def add(self, look: Look) -> None:
         """Take in a piece."""
-        self._frame = look.frames[-1] if look.frames else self._frame
+        self._frames += look.frames
         if look.events.size:
             self._count(look.events)
         for estimate in look.estimates:
@@ -99,6 +99,8 @@ class Curves:
             self.vs.append(estimate.vs)
             self.direction.append(WAYS.index(estimate.direction))
             self._consider(estimate)
+        # An estimate to come may be of a time before the frames that were seen last.
+        self._frames = self._frames[-RECENT_FRAMES:]
 
     def _count(self, events: Events) -> None:
         on = int(np.count_nonzero(events["p"]))
@@ -120,7 +122,8 @@ class Curves:
     def _snapshot(self, estimate: MotionEstimate | None, end_us: int) -> Picture:
         times_us = self._recent["t"]
         seen = (times_us >= end_us - PICTURE_US) & (times_us < end_us)
-        return Picture(estimate, self._recent[seen], self._frame)
+        ended = [frame for frame in self._frames if frame.end_us <= end_us]
+        return Picture(estimate, self._recent[seen], ended[-1] if ended else None)
 
     def rates(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Times [s], and (2, n) ON and OFF events a second over 10 ms and longer spans."""
@@ -137,5 +140,8 @@ class Curves:
 
 
 WAYS = tuple(Direction)
+RECENT_FRAMES = 8
+"""Frames that are kept for the picture (assumed: an estimate is some hops before the events that
+brought it, and a frame is seldom shorter than a hop)."""
 MOST_BINS = 2000
 """Points of the event rate in a figure (assumed: as many as there are pixels)."""

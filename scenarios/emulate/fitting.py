@@ -10,12 +10,18 @@ import numpy.typing as npt
 
 from emulator import luminance_of
 from emulator.images import Transfer
+from scenarios.errors import ScenarioError
 
 F32 = npt.NDArray[np.float32]
 
 
 def light_on(
-    picture: npt.NDArray[Any], *, size: tuple[int, int], white_cd_m2: float, transfer: Transfer
+    picture: npt.NDArray[Any],
+    *,
+    size: tuple[int, int],
+    white_cd_m2: float,
+    transfer: Transfer,
+    frame: int = 0,
 ) -> F32:
     """Luminance of a picture, filling a sensor: the middle, in its own proportions.
 
@@ -26,18 +32,33 @@ def light_on(
         size: columns and rows of the sensor [px].
         white_cd_m2: luminance of the highest level [cd/m²].
         transfer: how levels stand for light.
+        frame: its number, counted from 0, for what is said of it.
 
     Returns:
         (rows, columns) float32 [cd/m²].
 
     Raises:
+        ScenarioError: light that is negative, NaN or infinite.
         FrameError: a white that no sensor takes.
     """
     if picture.dtype.kind == "f":
-        light = picture.astype(np.float32)
+        light = _checked(picture, frame)
     else:
         light = luminance_of(picture, white_cd_m2=white_cd_m2, transfer=transfer)
     return _fitted(light, size)
+
+
+def _checked(picture: npt.NDArray[Any], frame: int) -> F32:
+    with np.errstate(over="ignore"):  # what float32 cannot hold is infinite there, and refused
+        light = picture.astype(np.float32)
+    wrong = ~(np.isfinite(light) & (light >= 0.0))
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0].tolist()
+        raise ScenarioError(
+            f"the light of frame {frame} (the first is 0) is {picture[row, column]:g} cd/m² at row "
+            f"{row}, column {column}; allowed is a finite number from 0 on; mend the array"
+        )
+    return light
 
 
 def _fitted(light: F32, size: tuple[int, int]) -> F32:

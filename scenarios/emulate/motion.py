@@ -23,6 +23,9 @@ U8 = npt.NDArray[np.uint8]
 CHANGED = 3
 """Grey levels of 255 by which a pixel must differ to count as one where something moves
 (assumed: above the noise of compression)."""
+SLOPE = 1.0
+"""Grey levels a pixel above which the picture has a slope, along which motion is measured (assumed:
+what is flatter gives no flow)."""
 QUANTILE = 0.95
 """Of the displacements there, what counts as the motion: the flow's outliers do not."""
 MOST_BETWEEN = 200
@@ -46,12 +49,21 @@ class MotionMeter:
         )
 
     def motion_px(self, before: F32, after: F32, flow_px: F32) -> float:
-        """Displacement of what moves: the 95th percentile where light has changed [px]."""
-        levels = self._levels(before).astype(np.int16), self._levels(after).astype(np.int16)
-        changed = np.abs(levels[0] - levels[1]) >= CHANGED
-        if not changed.any():
+        """Displacement of what moves: the 95th percentile where light has changed [px].
+
+        Only what is along the picture's gradient counts: along a bar or a stripe nobody can tell
+        how far it moved (the aperture problem), and flow there is anything.
+        """
+        levels = self._levels(before), self._levels(after)
+        across, down = (
+            cv2.Sobel(levels[0], cv2.CV_32F, dx, dy, scale=1 / 8) for dx, dy in ((1, 0), (0, 1))
+        )
+        slope = np.hypot(across, down)
+        seen = (cv2.absdiff(*levels) >= CHANGED) & (slope > SLOPE)
+        if not seen.any():
             return 0.0
-        return float(np.quantile(np.hypot(*flow_px[changed].T), QUANTILE))
+        along = (flow_px[..., 0] * across + flow_px[..., 1] * down)[seen] / slope[seen]
+        return float(np.quantile(np.abs(along), QUANTILE))
 
     def _levels(self, light: F32) -> U8:
         share = np.clip(light / np.float32(self._white), 0.0, 1.0)

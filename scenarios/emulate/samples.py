@@ -82,12 +82,14 @@ def samples(
         Samples in order of time.
 
     Raises:
-        ScenarioError: a picture is damaged.
+        ScenarioError: a picture is damaged, or its light is no light.
         FrameError: the white is out of range.
     """
     meter, before = MotionMeter(white_cd_m2), None
     for frame, picture in enumerate(pictures):
-        light = light_on(picture, size=size, white_cd_m2=white_cd_m2, transfer=transfer)
+        light = light_on(
+            picture, size=size, white_cd_m2=white_cd_m2, transfer=transfer, frame=frame
+        )
         t_us = round(frame * 1e6 / fps)
         if before is not None:
             last_us = round((frame - 1) * 1e6 / fps)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import tyro
 from rich.console import Console
@@ -46,6 +46,7 @@ Factor = Literal["contrast", "direction", "length_px", "surface", "background"]
 class Envelope:
     """Measure where a detector is right, on drawn stimuli, and draw it as maps."""
 
+    TAKES_SEVERAL: ClassVar = frozenset({"--method"})
     method: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME"), UseAppendAction] = ()
     """Detector: fly, wide, or a class of your own as package.module:Class; give one or more."""
     full: bool = False
@@ -63,7 +64,7 @@ class Envelope:
     jobs: int = -1
     """How many processes; -1: one a core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/envelope")
-    """Folder to write."""
+    """Folder to write; takes the place of what flybench wrote there before."""
 
     @property
     def methods(self) -> tuple[str, ...]:

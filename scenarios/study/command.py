@@ -65,7 +65,7 @@ class Study:
     jobs: int = ONE_A_CORE
     """How many processes; -1: one a core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
-    """Folder to write."""
+    """Folder to write; takes the place of what flybench wrote there before."""
     light: tyro.conf.OmitArgPrefixes[LightOptions] = field(default_factory=LightOptions)
 
     def tasks(self) -> list[SequenceTask]:

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from detector.estimate import Direction
 from detector.metrics import within
@@ -152,7 +153,9 @@ def _draw_times(axes: Axes, sequences: Sequences) -> None:
             own = [one for one in sequences if one.lighting == light]
             _draw_time(axes, height, method, light, [t for s in own for t in _ms(s, method)])
     axes.set(ylim=(len(methods) - 0.5, -0.5), xscale="log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("CPU time of an estimate [ms]")
     axes.grid(axis="x", color="#e3e6ea", linewidth=0.6)
     axes.set_axisbelow(True)

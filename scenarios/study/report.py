@@ -113,7 +113,7 @@ def what_holds(claims: Sequence[Claim]) -> str:
 
 def _scope(sequences: Sequence[results.Sequence], rows: Sequence[Row]) -> str:
     seeds = len(each(rows, "seed"))
-    methods = ", ".join(method_style(m).label for m in in_order(each(rows, "method")))
+    methods = "; ".join(method_style(m).label for m in in_order(each(rows, "method")))
     lights = [
         f"{sum(one.lighting == light for one in sequences)} by {light}"
         for light in dict.fromkeys(one.lighting for one in sequences)

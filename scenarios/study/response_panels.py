@@ -24,7 +24,7 @@ VERTICAL = "#80868e"
 SILENT, WRONG = "#d5d8dc", "#000000"
 _IN_VIEW = "#f1f3f5"
 _STRIP_AT, _LOWEST, _HIGHEST = -1.25, -1.42, 1.08
-_FEW = 25
+_FEW = 45
 """So many steps or fewer are dots too, so that one sees how rare they are (assumed)."""
 _ROOM = 1.5
 """Height of a velocity panel, in highest true velocities (assumed)."""

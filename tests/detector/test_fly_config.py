@@ -25,6 +25,7 @@ def test_defaults_are_table_one() -> None:
         ("alpha", 1.0),
         ("alpha", float("nan")),
         ("snr_floor", -1.0),
+        ("share_floor", 1.5),
         ("further_delays_us", 100_000),
         ("further_delays_us", (0,)),
         ("further_delays_us", (100_000.5,)),
@@ -46,7 +47,7 @@ def test_defaults_are_table_one() -> None:
     ],
 )
 def test_a_value_that_is_not_allowed_is_refused_by_name(name: str, value: object) -> None:
-    with pytest.raises(DetectorConfigError, match=f"{name} is .*allowed is .*value is"):
+    with pytest.raises(DetectorConfigError, match=f"{name} is .*allowed is .*default is"):
         FlyConfig(**{name: value})  # type: ignore[arg-type]
 
 

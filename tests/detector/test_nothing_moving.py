@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 
@@ -53,6 +54,34 @@ def test_a_still_street_is_none_in_any_light(preset: str, lux: float) -> None:
     events = still_street(lux)
     assert events.size > 1_000
     assert share_of_none(estimates_of(preset, events)) >= 0.99
+
+
+@cache
+def flickering_texture(depth: float, *, duration_us: int = 300_000) -> Events:
+    """A still texture of 20 to 180 cd/m² in light that goes up and down 100 times a second."""
+    drawn = np.random.default_rng(0).random((260, 346)).astype(np.float32)
+    texture = cv2.GaussianBlur(drawn, (0, 0), 2.0)
+    luminance = 200 * (0.1 + 0.8 * (texture - texture.min()) / np.ptp(texture))
+    sensor, parts = Davis346(SensorConfig(), seed=1), []
+    for t_us in range(0, duration_us + 1, 1_000):
+        gain = 1 + depth * np.sin(2 * np.pi * 100 * t_us * 1e-6)
+        parts.append(sensor.step(t_us, (luminance * gain).astype(np.float32)).events)
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize(("depth", "least"), [(0.1, 1.0), (0.2, 0.8)])
+def test_a_still_scene_in_flickering_light_is_none(preset: str, depth: float, least: float) -> None:
+    # At a depth of 0.2 the bus is full, and the rows are read one after another, downwards.
+    events = flickering_texture(depth)
+    assert events.size > (10_000 if depth == 0.1 else 1_000_000)
+    assert share_of_none(estimates_of(preset, events, 300_000)) >= least
+
+
+def test_without_the_share_floor_flickering_light_seems_to_move() -> None:
+    fly = FlyDetector(FlyConfig(share_floor=0.0))
+    found = fly.push(flickering_texture(0.2)) + fly.advance(300_000)
+    assert share_of_none(found) < 0.8
 
 
 @pytest.mark.parametrize("preset", PRESETS)

@@ -123,6 +123,59 @@ def test_arrays_of_another_kind_are_refused_and_change_nothing() -> None:
     assert fly.push(stream()) == FlyDetector().push(stream())
 
 
+NONSENSE: dict[str, object] = {
+    "centre.position": np.array([np.nan, 3.0]),
+    "centre.steered": np.full((5, 2), np.inf),
+    "surfaces.surfaces": np.full((6, 2, 87, 116), np.nan, np.float32),
+    "fly.now_us": 7,
+}
+
+
+@pytest.mark.parametrize("name", NONSENSE)
+def test_what_is_no_finite_number_is_refused(name: str) -> None:
+    with pytest.raises(StateError, match=f"{name} of the state .* allowed"):
+        FlyDetector().restore(halfway().state() | {name: NONSENSE[name]})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("state", [None, 3, [np.zeros(3)]])
+def test_what_holds_no_arrays_is_no_state(state: object) -> None:
+    with pytest.raises(StateError, match=r"the state is of type .*allowed are arrays by name"):
+        FlyDetector().restore(state)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("hop", [0, -5, 1_000_000_000])
+def test_a_hop_of_another_time_is_refused(hop: int) -> None:
+    with pytest.raises(StateError, match=rf"the state is in hop {hop} at \d+ µs; allowed is"):
+        FlyDetector().restore(halfway().state() | {"fly.hop": np.array(hop)})
+
+
+@pytest.mark.parametrize(("place", "value"), [(0, 10**9), (0, -1), (1, 10**9), (1, -(10**9))])
+def test_a_clock_that_contradicts_the_stream_is_refused(place: int, value: int) -> None:
+    state = halfway().state()
+    state["surfaces.clock"][place] = value
+    with pytest.raises(StateError, match="the state's last event is at"):
+        FlyDetector().restore(state)
+
+
+def test_a_view_centre_beside_the_grid_is_refused() -> None:
+    state = halfway().state() | {"centre.position": np.array([116.0, 40.0])}
+    with pytest.raises(StateError, match=r"looks at \[116.0, 40.0\]; allowed are cells"):
+        FlyDetector().restore(state)
+
+
+@pytest.mark.parametrize("until_us", [0, 9_999, 10_000, 59_000_000, 61_000_000, 10**10])
+@pytest.mark.parametrize("is_fresh", [True, False])
+def test_a_state_after_any_silence_is_taken(until_us: int, is_fresh: bool) -> None:
+    fly, later = FlyDetector(), FlyDetector()
+    if not is_fresh:
+        fly.push(stream()[:10])
+    fly.advance(max(until_us, int(stream()["t"][10])))
+    later.restore(fly.state())
+    after = stream()[:100].copy()
+    after["t"] += max(until_us, int(stream()["t"][10]))
+    assert later.push(after) == fly.push(after)
+
+
 def test_the_size_of_a_state_does_not_grow_with_the_stream() -> None:
     fly, sizes = FlyDetector(), []
     for second in range(4):

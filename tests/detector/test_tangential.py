@@ -12,7 +12,7 @@ from detector.tangential import (
     horizontal_system,
     lobula_plate,
     normalise,
-    share_of_total,
+    shares_of_total,
     signal_to_noise,
     vertical_system,
     winner_take_all,
@@ -44,14 +44,15 @@ def test_normalisation_is_the_sigmoid_of_the_response_per_cell() -> None:
     assert normalise(40.0, cells=100, scale=0.25) == pytest.approx(expected)
 
 
-@given(st.floats(-1e300, 1e300), st.floats(0, 1e300))
-def test_a_share_stays_inside_the_open_interval(response: float, total: float) -> None:
-    assert -1.0 < share_of_total(response, total) < 1.0
+@given(st.tuples(*[st.floats(0, 1e300)] * 4))
+def test_shares_stay_inside_the_open_interval(lp: tuple[float, float, float, float]) -> None:
+    right, left, up, down = lp
+    assert all(-1.0 < share < 1.0 for share in shares_of_total((right, left, up, down)))
 
 
 def test_a_share_is_of_both_directions() -> None:
-    assert share_of_total(2.0, 8.0) == 0.25
-    assert share_of_total(0.0, 0.0) == 0.0
+    assert shares_of_total((5.0, 3.0, 3.0, 1.0)) == (0.25, -0.5)
+    assert shares_of_total((0.0, 0.0, 0.0, 0.0)) == (0.0, 0.0)
 
 
 def opponent_maps(right: list[float], left: list[float]) -> npt.NDArray[np.float32]:
@@ -109,6 +110,21 @@ def test_the_stronger_system_wins_if_it_stands_out(
     hs: float, vs: float, snr: tuple[float, float], expected: Direction
 ) -> None:
     assert winner_take_all(hs, vs, snr=snr, snr_floor=3.0) is expected
+
+
+@pytest.mark.parametrize(
+    ("shares", "expected"),
+    [
+        ((0.03, 0.0), Direction.LEFT),
+        ((-0.03, 0.0), Direction.LEFT),
+        ((0.029, 1.0), Direction.NONE),
+    ],
+)
+def test_a_share_below_its_floor_is_none(shares: tuple[float, float], expected: Direction) -> None:
+    found = winner_take_all(
+        -0.5, 0.4, snr=(9.0, 9.0), snr_floor=3.0, shares=shares, share_floor=0.03
+    )
+    assert found is expected
 
 
 def test_without_a_floor_silence_is_none_all_the_same() -> None:

@@ -52,6 +52,8 @@ def test_a_sensor_takes_its_numbers_from_the_biases() -> None:
         (lambda: Biases(on=Bias(4, 39)), "theta_on is 0.0"),
         (lambda: Biases(off=Bias(5, 39)), "theta_off is -0"),
         (lambda: Biases.preset("davis128"), "those of 'davis128'; allowed is one of davis346"),
+        (lambda: with_biases(SensorConfig(), None), "biases are None; allowed is a Biases"),  # type: ignore[arg-type]
+        (lambda: with_biases(None, Biases()), "sensor is None; allowed is a SensorConfig"),  # type: ignore[arg-type]
         (lambda: Biases(on=(6, 200)), r"bias on is \(6, 200\); allowed is a Bias"),  # type: ignore[arg-type]
     ],
 )

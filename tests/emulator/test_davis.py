@@ -2,15 +2,17 @@ import hashlib
 import math
 import subprocess
 import sys
+import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulator import Cause, Davis346, FrameError, SensorConfig, check_events
+from emulator import Cause, Davis346, FrameError, SensorConfig, SensorConfigError, check_events
 from emulator.events import EVENT_DTYPE
 from tests.emulator.scenes import (
     HEIGHT,
@@ -273,6 +275,21 @@ def test_state_takes_less_than_forty_bytes_a_pixel() -> None:
     assert sum(array.nbytes for array in arrays) / (346 * 260) - 12 < 37.1
 
 
+def test_a_sensor_holds_what_the_readme_says() -> None:
+    """Everything, mismatch and lists of events included: 62 bytes a pixel at 346×260."""
+    still = np.full((260, 346), 100.0, np.float32)
+    Davis346(SensorConfig(width=16, height=16), seed=1).step(0, still[:16, :16])
+    tracemalloc.start()
+    try:
+        sensor = Davis346(SensorConfig(), seed=1)
+        for t_us in range(0, 20_000, 1000):
+            sensor.step(t_us, still)
+        held, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert 57.0 < held / still.size < 64.0
+
+
 def test_the_chip_grows_noisier_with_heat() -> None:
     """Junction leak and dark current double every 7 K."""
     warm, cool = noisy(temperature_c=46.0), noisy()
@@ -337,6 +354,12 @@ def test_a_step_of_too_many_frames_is_refused_and_changes_nothing() -> None:
     after, expected = sensor.step(1_000_000, light), other.step(1_000_000, light)
     assert np.array_equal(after.events, expected.events)
     assert [f.end_us for f in after.aps_frames] == [f.end_us for f in expected.aps_frames]
+
+
+@pytest.mark.parametrize("threads", [0, 65, 1.0, True])
+def test_threads_that_are_none_are_refused(threads: Any) -> None:
+    with pytest.raises(SensorConfigError, match="allowed is a whole number from 1 to 64"):
+        Davis346(noisy(), seed=1, threads=threads)
 
 
 def test_threads_may_be_counted_by_numpy() -> None:

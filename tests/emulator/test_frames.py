@@ -22,6 +22,42 @@ def test_light_that_cannot_be_is_refused(bad: np.float32, words: str) -> None:
         Davis346(quiet(), seed=1).step(0, frame)
 
 
+def test_what_rounding_would_hide_is_refused() -> None:
+    frame = flat(1.0, quiet()).astype(np.float64)
+    frame[1, 2] = -1e-300
+    with pytest.raises(FrameError, match="luminance -1e-300 cd/m² at row 1, column 2"):
+        Davis346(quiet(), seed=1).step(0, frame)
+    frame[1, 2] = -0.0
+    Davis346(quiet(), seed=1).step(0, frame)
+
+
+def test_rows_of_unlike_length_are_refused() -> None:
+    with pytest.raises(FrameError, match="list that makes no array; allowed is"):
+        Davis346(quiet(), seed=1).step(0, [[1.0], [1.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        ([1, 2], "hold a int that is no pair; allowed are"),
+        ([(0, 1, 2)], "hold a tuple that is no pair"),
+        (None, "frames are None; allowed is an iterable"),
+    ],
+)
+def test_a_stream_of_anything_but_pairs_is_refused(frames: Any, words: str) -> None:
+    with pytest.raises(FrameError, match=words):
+        list(Davis346(quiet(), seed=1).stream(frames))
+
+
+def test_an_error_of_the_frames_own_source_comes_through() -> None:
+    def broken() -> Any:
+        yield 0, flat(1.0, quiet())
+        raise TypeError("the renderer's own")
+
+    with pytest.raises(TypeError, match="the renderer's own"):
+        list(Davis346(quiet(), seed=1).stream(broken()))
+
+
 def test_another_shape_is_refused() -> None:
     with pytest.raises(FrameError, match=r"shape \(16, 12\); allowed is \(12, 16\)"):
         Davis346(quiet(), seed=1).step(0, np.ones((16, 12), np.float32))

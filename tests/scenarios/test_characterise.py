@@ -18,7 +18,6 @@ from emulator.characterisation import (
     Quantity,
     Section,
     Style,
-    refractory,
 )
 from emulator.characterisation.section import series
 from scenarios import characterise
@@ -85,7 +84,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
         characterise,
         "characterise",
         lambda config, *, seed, **_: Datasheet(
-            config, seed, {"refractory": refractory.measure(config, seed=seed)}
+            config, seed, {"refractory": EXPERIMENTS["refractory"](config, seed=seed)}
         ),
     )
 
@@ -106,6 +105,7 @@ def test_command_writes_a_folder_and_prints_the_figures(
     assert execute(Characterise(out=folder, seed=4)) == 0
     assert {path.name for path in folder.iterdir()} == {PAGE, NUMBERS, SUMMARY}
     said = capsys.readouterr().out
+    assert "another sensor" not in said
     for words in ("Refractory period", "DAVIS346", "3 µs", PAGE):
         assert words in said
     first = (folder / NUMBERS).read_bytes()
@@ -128,7 +128,14 @@ def test_the_sensor_is_measured_as_configured(
     text = (tmp_path / "sheet" / PAGE).read_text()
     assert "emulated dvs128, altered" in text
     assert "refractory_us = 50, aps.noise = False" in text
-    assert "DAVIS346" not in capsys.readouterr().out
+    assert "The dvs128 has no frames" in text
+    assert "3 µs *" in text
+    assert "of what they give; published for another sensor" in text
+    said = capsys.readouterr().out
+    assert "DAVIS346" not in said
+    assert "3 µs *" in said
+    assert "* published for another sensor" in said
+    assert numbers["sections"]["refractory"]["figures"][0]["published_for_another_sensor"]
 
 
 @pytest.mark.parametrize(

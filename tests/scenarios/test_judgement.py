@@ -63,6 +63,16 @@ def test_attention_is_held_against_box_and_centroid() -> None:
     assert found["centroid_error_px"] == pytest.approx(3.0)
 
 
+def test_a_detector_that_never_names_a_region_has_no_overlap() -> None:
+    said = [estimate(t_us, Direction.RIGHT, None) for t_us in (220_000, 250_000)]
+    track = track_of((0, 0, 10, 20), (5.0, 8.0))
+    found = judge(said, "right", IN_VIEW_US, track)
+    assert found["roi_iou"] is None
+    assert found["centroid_error_px"] == pytest.approx(3.0)
+    before = estimate(50_000, Direction.NONE)
+    assert judge([before, *said], "right", IN_VIEW_US, track)["roi_iou"] == 0.0
+
+
 def test_the_scenes_own_names_of_directions_will_do() -> None:
     track = track_of((0, 0, 1, 1), (0.5, 0.5))
     by_enum = judge(SAID, SceneDirection.LEFT, IN_VIEW_US, track)

@@ -72,6 +72,20 @@ class JustAWord(Saying):
 class Half(Saying):
     answers = [(20, 0.0, (0.0, 0.0), Direction.NONE, (3, 4))]
 
+class Strong(Saying):
+    answers = [(20, 5.0)]
+
+class Single(Saying):
+    answers = [(20, 0.0, 0.5)]
+
+class InsideOut(Saying):
+    answers = [(20, 0.0, (0.0, 0.0), Direction.NONE, (9, 9, 1, 1))]
+
+class TooStrong(Saying):
+    def estimate(self, t_us):
+        return MotionEstimate(t_us, 0.5, 0.0, Direction.RIGHT, 7.0, (1.0, 0.0), (0.0, 0.0), None)
+    answers = [(20,)]
+
 class Watcher(Good):
     def __init__(self, *, width, height):
         self.seen = []
@@ -190,6 +204,10 @@ def test_frames_come_between_the_events_before_and_after_them() -> None:
         ("NoResponse", "whose response is None"),
         ("JustAWord", "whose direction is 'right'; allowed is a detector.estimate.Direction"),
         ("Half", r"whose roi_px is \(3, 4\); allowed is"),
+        ("Strong", "whose hs is 5.0; allowed is -1 to 1"),
+        ("TooStrong", "whose strength is 7.0; allowed is 0 to 1"),
+        ("Single", "whose response is 0.5; allowed are two numbers"),
+        ("InsideOut", r"whose roi_px is \(9, 9, 1, 1\); allowed is .*x0 < x1"),
     ],
 )
 def test_an_answer_that_is_no_estimate_is_refused(name: str, words: str) -> None:

@@ -58,6 +58,36 @@ def test_the_command_line_takes_them() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        ["--set", "theta_on=0.25", "theta_off=0.3", "aps.shutter=rolling"],
+        ["--set", "theta_on=0.25", "--set", "theta_off=0.3", "--set", "aps.shutter=rolling"],
+        ["--set", "theta_on=0.25", "--set", "theta_off=0.3", "aps.shutter=rolling"],
+    ],
+)
+def test_values_may_stand_together_or_apart(line: list[str]) -> None:
+    found = tyro.cli(Characterise, args=line).sensor.sensor()
+    assert (found.theta_on, found.theta_off, found.aps.shutter) == (0.25, 0.3, "rolling")
+
+
+def test_a_name_given_twice_is_refused() -> None:
+    with pytest.raises(ScenarioError, match="--set has theta_on 2 times; allowed is each name"):
+        SensorOptions(set=("theta_on=0.2", "theta_off=0.2", "theta_on=0.3")).sensor()
+
+
+def test_help_tells_what_a_bias_brings_along(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        tyro.cli(Characterise, args=["--help"])
+    said = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "those not named are the maker's" in said
+
+
+@pytest.mark.parametrize(("given", "frames"), [("dvs128", False), ("davis240", True)])
+def test_frames_are_those_of_the_chip_whatever_is_altered(given: str, frames: bool) -> None:
+    assert SensorOptions(set=(f"preset={given}", "theta_on=0.3")).frames == frames
+
+
 def test_a_name_tells_sensors_apart() -> None:
     names = [
         SensorOptions(set=given).name
@@ -96,7 +126,8 @@ def test_what_a_sensor_does_not_have_is_refused(given: str, words: str) -> None:
         ("theta_on.x=3", "theta_on is"),
         ("preset=kodak", "the preset is 'kodak'"),
         ("preset=[1]", r"the preset is \[1\]"),
-        ("biases.on=[6,900]", "fine is 900"),
+        ("biases.on=[6,900]", "biases.on: fine is 900"),
+        ("biases.off=[9,200]", "biases.off: coarse is 9; allowed is"),
         ("biases.on=[4,39]", "theta_on is 0.0"),
         ("aps.shutter=slow", "shutter is 'slow'"),
     ],

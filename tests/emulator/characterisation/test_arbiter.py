@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, SensorConfig
+from emulator import EVENT_DTYPE, SensorConfig, preset
 from emulator.characterisation.arbiter import (
     Load,
     delays_us,
     measure,
     measure_load,
     rate_that_loses,
+    rates_hz,
 )
 
 
@@ -58,6 +59,32 @@ def test_a_crowded_bus_carries_its_limit_and_no_more(limit_hz: float) -> None:
     assert load.in_hz > 2.0 * limit_hz
     assert 0.9 * limit_hz < load.out_hz < limit_hz
     assert load.mean_us > 10.0
+
+
+@pytest.mark.parametrize(
+    ("config", "seed"), [(preset("dvs128"), 3), (SensorConfig(readout_limit_hz=2e6), 0)]
+)
+def test_the_greatest_rate_of_the_sheet_is_below_what_the_bus_carries(
+    config: SensorConfig, seed: int
+) -> None:
+    most = measure(config, seed=seed).figures["greatest rate out"].measured
+    assert most is not None
+    assert 0.97 * config.readout_limit_hz < 1e6 * most < config.readout_limit_hz
+
+
+def test_rates_leave_the_last_row_out() -> None:
+    row = [(30, x, 0, 1) for x in range(5)]
+    made = np.array([(10, 0, 0, 1), (12, 0, 1, 1), (20, 0, 2, 1), *row], EVENT_DTYPE)
+    assert rates_hz(made, made, from_us=11) == pytest.approx((2e6 / 18, 2e6 / 18))
+    assert rates_hz(made, made[1:], from_us=0) == pytest.approx((2e6 / 18, 2e6 / 18))
+    assert rates_hz(made, made[:4], from_us=30) is None
+
+
+def test_a_bus_too_slow_for_the_slowest_flicker_has_a_greatest_rate_all_the_same() -> None:
+    figures = measure(SensorConfig(readout_limit_hz=5e4), seed=1).figures
+    assert figures["greatest rate out"].measured == pytest.approx(0.05 * 128 / 129, rel=0.01)
+    assert figures["rate in that loses 1 %"].note == "the slowest flicker loses more"
+    assert figures["mean delay at half the greatest rate"].measured is None
 
 
 def test_latency_adds_to_every_delay() -> None:

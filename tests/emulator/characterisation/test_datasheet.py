@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from emulator import SensorConfig, SensorConfigError, preset
-from emulator.characterisation import EXPERIMENTS, characterise, datasheet
+from emulator.characterisation import EXPERIMENTS, Section, characterise, datasheet
 
 QUICK = ("latency", "dynamic_range", "refractory")
 
@@ -44,6 +44,34 @@ def test_a_sheet_is_of_the_sensor_as_configured(monkeypatch: pytest.MonkeyPatch)
 def test_any_sensor_has_one(config: SensorConfig, monkeypatch: pytest.MonkeyPatch) -> None:
     only(monkeypatch, *QUICK)
     assert list(characterise(config).sections) == list(QUICK)
+
+
+def test_only_a_sensor_has_one() -> None:
+    with pytest.raises(SensorConfigError, match=r"the sensor is 'davis346'; allowed is a Sensor"):
+        characterise("davis346")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_every_experiment_refuses_a_seed_that_is_none(name: str) -> None:
+    with pytest.raises(SensorConfigError, match="the seed is -1; allowed is"):
+        EXPERIMENTS[name](SensorConfig(), seed=-1)
+
+
+@pytest.mark.parametrize(
+    ("config", "frames", "named"),
+    [
+        (preset("dvs128"), None, []),
+        (preset("dvs128"), True, ["photon_transfer"]),
+        (SensorConfig(), None, ["photon_transfer"]),
+        (SensorConfig(), False, []),
+    ],
+)
+def test_a_chip_without_frames_has_no_figures_of_them(
+    config: SensorConfig, frames: bool | None, named: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nothing = {"photon_transfer": lambda *_, **__: Section("", "", [])}
+    monkeypatch.setattr(datasheet, "EXPERIMENTS", nothing)
+    assert list(characterise(config, frames=frames).sections) == named
 
 
 def test_a_seed_that_is_none_is_refused() -> None:

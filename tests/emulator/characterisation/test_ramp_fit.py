@@ -57,9 +57,10 @@ def test_constant_light_tells_nothing() -> None:
         ({"log_light": ["dark", "bright"]}, "no number"),
         ({"leak_drift_per_s": -0.01}, "leak_drift_per_s is -0.01"),
         ({"leak_drift_per_s": np.inf}, "leak_drift_per_s is inf"),
+        ({"height": 0}, "height is 0; allowed is a whole number of pixels from 1"),
     ],
 )
 def test_a_modulation_that_is_none_is_refused(known: Any, words: str) -> None:
-    given = {"t_us": [0, 1000], "log_light": [1.0, 2.0], **known}
+    given = {"width": 4, "height": 4, "t_us": [0, 1000], "log_light": [1.0, 2.0], **known}
     with pytest.raises(FitError, match=words):
-        fit_ramps(empty_events(), width=4, height=4, **given)
+        fit_ramps(empty_events(), **given)

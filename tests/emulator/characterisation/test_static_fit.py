@@ -134,9 +134,12 @@ def test_events_of_another_sensor_are_refused() -> None:
         ({"end_us": float("nan")}, "end_us is nan"),
         ({"leak_drift_per_s": 0.0}, "leak_drift_per_s is 0.0; allowed is a positive"),
         ({"leak_drift_per_s": -0.018}, "leak_drift_per_s is -0.018"),
+        ({"width": 0}, "width is 0; allowed is a whole number of pixels from 1"),
+        ({"width": 8.5}, "width is 8.5"),
+        ({"height": True}, "height is True"),
     ],
 )
 def test_what_cannot_be_known_is_refused(known: Any, words: str) -> None:
     events = np.array([(500, 1, 1, True)], EVENT_DTYPE)
     with pytest.raises(FitError, match=words):
-        fit_static(events, width=4, height=4, **{"end_us": 1000, **known})
+        fit_static(events, **{"width": 4, "height": 4, "end_us": 1000, **known})
