@@ -20,7 +20,7 @@ from typing import Any
 
 from formats.errors import FormatError
 from formats.raw import Options
-from formats.worker import DAMAGED, MESSAGE, TOO_LARGE
+from formats.worker import DAMAGED, MESSAGE, TOO_LARGE, TOO_LARGE_OR_LOST
 
 QUIET_S = 60.0
 """How long a message may be awaited (assumed: a slow disk and a busy machine) [s]."""
@@ -106,6 +106,8 @@ class Guard:
 
     def _death(self) -> FormatError:
         code = self._process.wait()
-        if code in (-signal.SIGABRT, -signal.SIGKILL):
+        if code == -signal.SIGKILL:
             return FormatError(f"{self._path} {TOO_LARGE}")
+        if code == -signal.SIGABRT:  # how Rust and C++ end, out of memory or at a loss
+            return FormatError(f"{self._path} {TOO_LARGE_OR_LOST}")
         return FormatError(f"{self._path} stopped its reader (code {code}); {DAMAGED}")

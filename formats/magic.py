@@ -44,6 +44,11 @@ _FOREIGN = {
 _EVT = {"2.0": "evt2", "2": "evt2", "2.1": "evt21", "21": "evt21", "3.0": "evt3", "3": "evt3"}
 _HEAD_BYTES = 1 << 14
 
+BINARY_ENDINGS = (
+    ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".npy", ".npz",
+)  # fmt: skip
+"""Endings of formats that are not text: such a file without a line of numbers has been cut."""
+
 
 def check_file(path: Path) -> None:
     """Refuse what is no file with something in it.
@@ -79,6 +84,12 @@ def format_of(path: Path) -> str:
     for beginning, name in _BEGINNINGS.items():
         if head.startswith(beginning):
             return name
+    for beginning, name in _BEGINNINGS.items():
+        if beginning.startswith(head) and path.suffix.lower() not in (".txt", ".csv"):
+            raise FormatError(
+                f"{path} holds no more than the beginning of a header, as of {FORMATS[name]} "
+                f"(bytes: {len(head)}); it is cut in its header; copy it again"
+            )
     for beginning, what in _FOREIGN.items():
         if head.startswith(beginning):
             raise FormatError(f"{path} is {what}")

@@ -78,10 +78,10 @@ def answer(path: Path, name: str, options: Options, out: BinaryIO) -> None:
         send(out, b"X", f"{path} cannot be read as {FORMATS[name]}: {text}; {DAMAGED}".encode())
 
 
-TOO_LARGE = (
-    f"asks for more than {MEMORY_BYTES >> 30} GB of memory to be read; it is damaged, or packed in "
-    "pieces too large; copy it again, or convert it"
-)
+_TOO_LARGE = f"asks for more than {MEMORY_BYTES >> 30} GB of memory to be read"
+_REPAIR = "; it is damaged, or packed in pieces too large; copy it again, or convert it"
+TOO_LARGE = _TOO_LARGE + _REPAIR
+TOO_LARGE_OR_LOST = f"{_TOO_LARGE}, or its reader gave up{_REPAIR}"
 DAMAGED = "it is cut or damaged, or of another format; copy it again, or name it with --format"
 
 
@@ -132,13 +132,17 @@ def extent(path: Path, items: Iterator[Item], out: BinaryIO) -> Size:
     """The smallest sensor on sale that the events nearly fill, or as far as they reach [px]."""
     width = height = 0
     done = 0
-    for item in items:
-        send(out, b"W")
-        if isinstance(item, Columns) and item.t.size:
-            pack(item, None, path=path, done=done)
-            done += item.t.size
-            width = max(width, int(item.x.max()) + 1)
-            height = max(height, int(item.y.max()) + 1)
+    try:
+        for item in items:
+            send(out, b"W")
+            if isinstance(item, Columns) and item.t.size:
+                pack(item, None, path=path, done=done)
+                done += item.t.size
+                width = max(width, int(item.x.max()) + 1)
+                height = max(height, int(item.y.max()) + 1)
+    except FormatError:  # the second pass gives what comes before, and says this again
+        if not done:
+            raise
     if not done:
         raise FormatError(f"{path} holds no events; give a recording with some, or --size")
     for columns, rows in _SENSORS:

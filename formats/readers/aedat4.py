@@ -50,7 +50,16 @@ def _open(path: Path) -> Any:
         from faery import aedat
     except ImportError as error:
         raise MissingLibraryError("faery", "AEDAT 4") from error
-    return aedat.Decoder(path)
+    try:
+        return aedat.Decoder(path)
+    except RuntimeError as error:
+        table = _table_of(path)
+        if not 0 < table < path.stat().st_size or _whole_packets(path)[1] is not None:
+            raise
+        raise FormatError(
+            f"{path} is cut or damaged in the table of its packets, from byte {table} on; all that "
+            f"comes before is whole; keep that with: head -c {table}"
+        ) from error
 
 
 def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[Item]:
@@ -101,8 +110,8 @@ def _whole_packets(path: Path) -> tuple[list[int], int | None]:
     streams: list[int] = []
     with path.open("rb") as file:
         file.seek(_MAGIC_BYTES)
-        header = file.read(int.from_bytes(file.read(4), "little"))
-        at, table = file.tell(), _table_position(header)
+        table = _table_position(file.read(int.from_bytes(file.read(4), "little")))
+        at = file.tell()
         end = table if table > 0 else length
         while at < end:
             head = file.read(_PACKET_HEAD.size)
@@ -115,6 +124,12 @@ def _whole_packets(path: Path) -> tuple[list[int], int | None]:
             at += _PACKET_HEAD.size + size
             file.seek(at)
     return streams, None
+
+
+def _table_of(path: Path) -> int:
+    with path.open("rb") as file:
+        file.seek(_MAGIC_BYTES)
+        return _table_position(file.read(int.from_bytes(file.read(4), "little")))
 
 
 def _table_position(header: bytes) -> int:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from formats.errors import FormatError
+from formats.magic import BINARY_ENDINGS
 from formats.raw import SIDE_MAX, Array, Columns, Head, Item, Options, Reading, Size, microseconds
 from formats.readers.arrays import columns_of
 
@@ -84,18 +85,19 @@ def _layout(path: Path) -> Layout:
         if line.startswith(_COMMENTS):
             found = _names(line.lstrip(b"#%"))
             names = found if columns_of(tuple(map(_name, found))) else names
-        elif len(words) == 2 and all(word.isdigit() for word in words) and size is None:
-            size = int(words[0]), int(words[1])
+            size = size or _size(line.lstrip(b"#%"))
+        elif size is None and _size(line):
+            size = _size(line)
         elif words and not _is_number(words[0]) and names is None:
             names = _names(line)
         elif words:
             rows.append(words)
             continue
         start += len(line)
-    if not rows and (size or columns_of(tuple(map(_name, names or ())))):
+    if not rows and (columns_of(tuple(map(_name, names or ()))) or (size and names is None)):
         return Layout(start, ("t", "x", "y", "p"), size, "us", names is not None)
     if not rows:
-        raise FormatError(f"{path} holds no line of numbers; give a file with an event a line")
+        raise _no_events(path, head)
     return _with_order(path, start, names, size, unit, rows)
 
 
@@ -136,6 +138,23 @@ def _with_order(
     return Layout(start, order, size, unit, names is not None)
 
 
+def _size(line: bytes) -> Size | None:
+    """Width and height, where a whole line holds two whole numbers and no more."""
+    words = line.translate(_BLANKS).split()
+    if len(words) != 2 or not all(word.isdigit() for word in words) or not line.endswith(b"\n"):
+        return None
+    return int(words[0]), int(words[1])
+
+
+def _no_events(path: Path, head: bytes) -> FormatError:
+    if path.suffix.lower() in BINARY_ENDINGS:
+        return FormatError(
+            f"{path} ends in {path.suffix}, but holds no more than the beginning of a header "
+            f"(bytes: {len(head)}); it is cut in its header; copy it again"
+        )
+    return FormatError(f"{path} holds no line of numbers; give a file with an event a line")
+
+
 def _guess(values: Array, rows: list[list[str]]) -> tuple[str, ...]:
     """The columns' names by what is in them; t x y p where that is not clear."""
     columns = range(values.shape[1])
@@ -149,7 +168,8 @@ def _guess(values: Array, rows: list[list[str]]) -> tuple[str, ...]:
     for order in _ORDERS:
         if polar[order.index("p")] and timely[order.index("t")]:
             return (*order, *more)
-    return (*_ORDERS[2 if polar[2] and not polar[3] else 0], *more)
+    last = polar[2] and not polar[3] and not decimal[0]
+    return (*_ORDERS[2 if last else 0], *more)
 
 
 def _items(path: Path, layout: Layout) -> Iterator[Item]:

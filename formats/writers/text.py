@@ -47,12 +47,12 @@ class TextWriter(EventWriter):
 
 
 class CsvWriter(TextWriter):
-    """`t,x,y,p` with t in µs, under a line of these names."""
+    """`t,x,y,p` with t in µs, under a comment of width and height and a line of these names."""
 
     _separator = ","
 
     def _first_line(self) -> str:
-        return "t,x,y,p\n"
+        return f"# {self.width} {self.height}\nt,x,y,p\n"
 
     def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> pa.Array:
         return pa.array(t_us)

@@ -79,7 +79,7 @@ def test_the_libraries_parsers(
 
 def test_a_first_pass_says_that_it_is_at_work(tmp_path: Path, wholes: dict[str, bytes]) -> None:
     path, out = tmp_path / "a.csv", BytesIO()
-    path.write_bytes(wholes["a.csv"])
+    path.write_bytes(wholes["a.csv"].split(b"\n", 1)[1])  # without the line of the size
     answer(path, "text", Options(), out)
     assert out.getvalue().startswith(MESSAGE.pack(b"W", 0))
 

@@ -1,7 +1,9 @@
 """How commands end."""
 
+import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -40,3 +42,57 @@ def test_a_broken_recording_is_a_sentence(capsys: pytest.CaptureFixture[str]) ->
 
     assert execute(Reader()) == 2
     assert capsys.readouterr().err == "flybench: a.raw is cut; copy it again\n"
+
+
+def test_ctrl_c_within_compiled_code_is_an_interrupt(capsys: pytest.CaptureFixture[str]) -> None:
+    """As numba does it: "CPUDispatcher(...) returned a result with an exception set"."""
+
+    class Compiled:
+        def execute(self) -> int:
+            try:
+                raise KeyboardInterrupt
+            except KeyboardInterrupt as interrupt:
+                raise SystemError("returned a result with an exception set") from interrupt
+
+    assert execute(Compiled()) == 130
+    assert capsys.readouterr().err == "flybench: interrupted\n"
+
+
+def test_another_system_error_is_not_hidden() -> None:
+    class Broken:
+        def execute(self) -> int:
+            raise SystemError("bad argument to internal function")
+
+    with pytest.raises(SystemError, match="bad argument"):
+        execute(Broken())
+
+
+SLEEPER = """
+import signal, sys, tempfile, time
+from scenarios.terminal import execute
+
+class Sleeper:
+    def execute(self):
+        with tempfile.TemporaryDirectory(dir=sys.argv[1]):
+            print("asleep", flush=True)
+            time.sleep(60)
+        return 0
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # neither is to be inherited as ignored
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+sys.exit(execute(Sleeper()))
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_who_is_told_to_end_cleans_up(how: signal.Signals, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SLEEPER, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == b"asleep\n"
+        assert list(tmp_path.iterdir())
+        process.send_signal(how)
+        assert process.stderr.read() == b"flybench: interrupted\n"
+        assert process.wait() == 130
+    assert list(tmp_path.iterdir()) == []

@@ -80,6 +80,11 @@ def test_a_picture_shows_the_recording_that_is_named(
     assert "day_2.42.rrd" in capsys.readouterr().out
 
 
+def test_a_picture_is_a_png(study: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"--screenshot is a\.jpg; allowed .* ends in \.png"):
+        view.View(study, screenshot=Path("a.jpg")).execute()
+
+
 def test_without_a_display_the_other_ways_are_named(
     monkeypatch: pytest.MonkeyPatch, study: Path
 ) -> None:

@@ -10,12 +10,15 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import tyro
 
 from detector.estimate import Direction
 from emulator import EVENT_DTYPE, ApsFrame, Events
 from formats import Chunk, open_writer, write_events
 from scenarios.detect.command import Detect
+from scenarios.methods import BASELINES, FLY_PRESETS
 from scenarios.terminal import execute
+from scenarios.view import MAGIC
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
 from tests.scenarios.reading import Reading
 
@@ -162,6 +165,23 @@ def test_a_file_without_events_is_told_so(
     assert execute(Detect(file, plot=tmp_path / "a.png")) == 2
     assert "none.npz" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["none.npz"]
+
+
+def test_who_gives_a_rerun_recording_is_sent_to_view(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "study.rrd"
+    file.write_bytes(MAGIC + bytes(100))
+    assert execute(Detect(file)) == 2
+    assert f"open it with: flybench view {file}" in capsys.readouterr().err
+
+
+def test_help_names_every_method(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        tyro.cli(Detect, args=["--help"])
+    told = re.sub(r"[\s│]+", " ", capsys.readouterr().out)
+    for name in (*FLY_PRESETS, *BASELINES):
+        assert f" {name}," in told
 
 
 def test_a_recording_is_not_overwritten_by_its_own_picture(

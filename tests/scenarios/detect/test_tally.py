@@ -4,7 +4,7 @@ import numpy as np
 
 from detector.estimate import Direction, MotionEstimate
 from detector.metrics import verdict
-from emulator import EVENT_DTYPE
+from emulator import EVENT_DTYPE, ApsFrame
 from scenarios.detect.tally import Curves, Verdict
 from scenarios.detect.watching import Look
 
@@ -47,6 +47,22 @@ def test_the_picture_is_that_of_the_strongest_step() -> None:
     assert on.sum() == 0.0
     assert np.all(off[:-1] == 1000.0)
     assert times_s[0] == 0.005
+
+
+def test_the_frame_is_the_last_that_had_ended_by_then() -> None:
+    """The estimate of 120 ms comes with events and a frame that are later."""
+    curves, image = Curves(), np.zeros((2, 2), np.uint16)
+    for k in range(20):
+        end_us = 10_000 * k + 5000
+        frame = ApsFrame(end_us - 5000, end_us, image)
+        events = np.zeros(1, EVENT_DTYPE)
+        events["t"] = end_us
+        step = said(10_000 * (k - 1), Direction.UP, 0.9 if k == 13 else 0.3)
+        curves.add(Look(events, (frame,), (step,), None, 0))
+    assert curves.picture.estimate is not None
+    assert curves.picture.estimate.t_us == 120_000
+    assert curves.picture.frame is not None
+    assert curves.picture.frame.end_us == 115_000
 
 
 def test_a_quiet_of_days_does_not_fill_the_figure() -> None:

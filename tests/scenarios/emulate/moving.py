@@ -1,4 +1,4 @@
-"""A wall of smooth texture that moves to the right, drawn exactly at any time."""
+"""What moves to the right, drawn exactly at any time: a textured wall, a bar, a grating."""
 
 from typing import Any
 
@@ -18,6 +18,19 @@ def wall(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:
     x = np.tile(np.arange(columns, dtype=np.float32) + columns - np.float32(shift_px), (rows, 1))
     y = np.tile(np.arange(rows, dtype=np.float32)[:, None], (1, columns))
     return np.asarray(cv2.remap(drawn.astype(np.float32), x, y, cv2.INTER_CUBIC), np.float32)
+
+
+def bar(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:
+    """Share of white: an upright bar of 20 px that fills the height."""
+    x = np.arange(columns, dtype=np.float32) - np.float32(shift_px)
+    inside = np.clip(np.minimum(x - 49.5, 70.5 - x), 0, 1)
+    return np.tile(0.1 + 0.8 * inside, (rows, 1)).astype(np.float32)
+
+
+def grating(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:
+    """Share of white: upright stripes, a sine of 40 px."""
+    x = np.arange(columns, dtype=np.float32) - np.float32(shift_px)
+    return np.tile(0.5 + 0.4 * np.sin(2 * np.pi * x / 40), (rows, 1)).astype(np.float32)
 
 
 def pictures(number: int, px_a_frame: float, **size: Any) -> U8:

@@ -14,7 +14,7 @@ from emulator import Davis346, Events, preset
 from formats import open_events, read_events
 from scenarios.emulate.command import Emulate
 from scenarios.terminal import execute
-from tests.scenarios.emulate.moving import pictures, wall
+from tests.scenarios.emulate.moving import bar, pictures, wall
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +96,19 @@ def test_large_steps_are_warned_of_and_interpolation_comes_nearer_the_truth(
     assert _mean_error(filled, true) < 0.5 * _mean_error(plain, true)
 
 
+def test_a_bar_is_not_filled_with_hundreds_of_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    light = [200 * bar(2.0 * k, rows=260, columns=346) for k in range(7)]
+    np.save(tmp_path / "bar.npy", light)
+    emulated(tmp_path / "bar.npy", tmp_path / "a.npz", interpolate=True)
+    said = capsys.readouterr()
+    assert "warning" not in said.err
+    made = re.search(r"put between *│ *(\d+),", said.out)
+    assert made is not None
+    assert 6 <= int(made[1]) <= 6 * 4
+
+
 def _mean_error(found: Events, true: Events) -> float:
     """How far the time to a pixel's first event is off, in the mean over pixels [µs]."""
     first = []
@@ -120,7 +133,11 @@ def _mean_error(found: Events, true: Events) -> float:
         ({"input": Path("text.npy")}, "text.npy cannot be read as an array"),
         ({"input": Path("flat.npy")}, "holds float64 of shape"),
         ({"input": Path("one.npy")}, "one.npy holds 1 frames; allowed is 2 and more"),
-        ({"input": Path("dark.npy")}, "luminance nan"),
+        (
+            {"input": Path("hole.npy")},
+            "frame 2 .* is nan cd/m² at row 5, column 7; allowed",
+        ),
+        ({"input": Path("below.npy")}, "light of frame 0 .* is -1 cd/m²"),
         ({"fps": None}, "does not say how many frames a second it has; give them with --fps"),
         ({"fps": 0.0}, "the frames a second are 0; allowed is 0.1 to 100000"),
         ({"white_cd_m2": 0.0}, "white_cd_m2 is 0.0; allowed is a positive number"),
@@ -137,7 +154,9 @@ def test_what_cannot_be_is_refused_in_a_sentence(
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path)
         assert execute(replace(Emulate(array, Path("a.h5"), fps=1000.0), **changes)) == 2
-    (said,) = [line for line in capfd.readouterr().err.splitlines() if "flybench: " in line]
+    err = capfd.readouterr().err
+    (said,) = [line for line in err.splitlines() if "flybench: " in line]
+    assert "Warning" not in err
     assert re.search(words, said)
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
@@ -149,7 +168,10 @@ def _fill(folder: Path) -> None:
     (folder / "text.npy").write_text("no array")
     np.save(folder / "flat.npy", np.zeros((5, 5)))
     np.save(folder / "one.npy", np.zeros((1, 5, 5), np.uint8))
-    np.save(folder / "dark.npy", np.full((3, 260, 346), np.nan))
+    light = np.full((3, 260, 346), 10.0)
+    np.save(folder / "below.npy", -0.1 * light)
+    light[2, 5, 7] = np.nan
+    np.save(folder / "hole.npy", light)
     for name in ("none", "sizes", "damaged", "bomb"):
         (folder / name).mkdir()
     cv2.imwrite(str(folder / "still.png"), np.zeros((8, 8), np.uint8))

@@ -1,10 +1,12 @@
 """Motion between frames, and what lies between them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from scenarios.emulate.motion import MotionMeter, between, pictures_between
-from tests.scenarios.emulate.moving import wall
+from tests.scenarios.emulate.moving import bar, grating, wall
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.5, 3.0, 8.0])
@@ -14,6 +16,25 @@ def test_the_motion_of_a_wall_is_its_shift(shift: float) -> None:
     flow = meter.flow_px(before, after)
     assert np.median(flow[20:-20, 20:-20, 0]) == pytest.approx(shift, abs=0.1)
     assert meter.motion_px(before, after, flow) == pytest.approx(shift, abs=0.1 + 0.1 * shift)
+
+
+@pytest.mark.parametrize("drawn", [bar, grating])
+def test_flow_along_a_stripe_is_no_motion(drawn: Any) -> None:
+    """2 px a frame; of the motion along a stripe, nothing can be seen (the aperture problem)."""
+    meter, found, longest = MotionMeter(100.0), [], 0.0
+    for k in range(12):
+        before, after = (100 * drawn(2.0 * frame, rows=260, columns=346) for frame in (k, k + 1))
+        flow = meter.flow_px(before, after)
+        longest = max(longest, float(np.hypot(*flow.reshape(-1, 2).T).max()))
+        found.append(meter.motion_px(before, after, flow))
+    assert longest > 20.0  # the flow is as wrong as it was found to be
+    assert max(found) == pytest.approx(2.0, abs=0.2)
+    assert pictures_between(max(found), 0.5) < 5
+
+
+def test_a_flicker_is_no_motion() -> None:
+    meter, dark = MotionMeter(100.0), np.full((130, 173), 20.0, np.float32)
+    assert meter.motion_px(dark, 2 * dark, meter.flow_px(dark, 2 * dark)) == 0.0
 
 
 def test_a_small_thing_before_a_still_wall_is_seen() -> None:
