@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
+from emulator.events import Events
 from formats import FormatError, open_events, read_events, write_events
 from formats.guard import Guard
 from formats.raw import Options
@@ -86,7 +87,7 @@ def test_cut_text_gives_what_comes_before(tmp_path: Path, name: str, says_size: 
     with open_events(path) as file:
         assert (file.width, file.height) == SIZE
         assert file.size_from == ("the file" if says_size else "the events")
-        got = []
+        got: list[Events] = []
         with pytest.raises(FormatError, match="may have been cut"):
             got.extend(chunk.events for chunk in file)
     assert np.array_equal(np.concatenate(got), E[:-1])
