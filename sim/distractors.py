@@ -47,7 +47,7 @@ class Distractors:
         far_vehicle_kind: what it is.
         far_vehicle_speed_m_s: its speed [m/s]; 10 is 36 km/h (assumed).
         far_vehicle_lag_s: how long after the target it passes the camera [s].
-        far_vehicle_reflectance: of its paint.
+        far_vehicle_reflectance: of its paint; 0.25 is a grey (assumed).
         pedestrian: one who walks along the pavement, and which way.
         pedestrian_pavement: on which side.
         pedestrian_speed_m_s: walking speed [m/s]; 1.4 is usual (Bohannon 1997).

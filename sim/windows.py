@@ -18,7 +18,7 @@ Window = tuple[int, int, int, int]
 """x0, y0, x1, y1 [px], half-open."""
 
 MARGIN_PX = 2
-"""Reach of the lens's blur, and of what a pixel asks of its neighbours."""
+"""Reach of the lens's blur, and of what a pixel asks of its neighbours (assumed)."""
 BEAM_REACH_M = 30.0
 """Farther ahead, dipped beams change nothing that is in view (measured)."""
 BEAM_RIM = 24
