@@ -21,7 +21,7 @@ from detector.contrast_search import Candidate, RewardAt, search_cold, search_wa
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
-from detector.parameters import check_numbers
+from detector.parameters import check_numbers, check_whole_hops
 from detector.tangential import winner_take_all
 from detector.warped_events import Reward, rewards
 from emulator.events import Events, empty_events
@@ -90,11 +90,7 @@ class ContrastConfig:
                 f"reward is {self.reward!r}; allowed is one of "
                 f"{', '.join(f'Reward.{r.name}' for r in Reward)}"
             )
-        if self.window_us % self.hop_us:
-            raise DetectorConfigError(
-                f"window_us is {self.window_us} µs, no multiple of hop_us = {self.hop_us} µs; "
-                "allowed are whole multiples; choose a hop that divides it"
-            )
+        check_whole_hops(self.hop_us, window_us=self.window_us)
 
 
 _RANGES: dict[str, tuple[float, float]] = {

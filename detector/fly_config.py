@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import Any
 
 from detector.errors import DetectorConfigError
-from detector.parameters import check_numbers, checked_number
+from detector.parameters import check_numbers, check_whole_hops, checked_number
 from detector.readings import (
     Attention,
     Averaging,
@@ -167,13 +167,9 @@ class FlyConfig:
             )
 
     def _check_times(self) -> None:
-        times = [("window_us", self.window_us), ("delay_us", self.delay_us)]
-        for name, value in times + [("further_delays_us", d) for d in self.further_delays_us]:
-            if value % self.hop_us:
-                raise DetectorConfigError(
-                    f"{name} is {value} µs, no multiple of hop_us = {self.hop_us} "
-                    "µs; allowed are whole multiples; choose a hop that divides it"
-                )
+        check_whole_hops(self.hop_us, window_us=self.window_us, delay_us=self.delay_us)
+        for delay_us in self.further_delays_us:
+            check_whole_hops(self.hop_us, further_delays_us=delay_us)
         if self.window_hops + max(self.delays_hops) > _MOST_HOPS:
             raise DetectorConfigError(
                 f"hop_us is {self.hop_us} µs, which cuts window_us and the longest delay into "

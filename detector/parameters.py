@@ -54,3 +54,21 @@ def checked_number(
             f"{high:g}; the default is {default}"
         )
     return int(value) if whole else float(value)
+
+
+def check_whole_hops(hop_us: int, **times_us: int) -> None:
+    """Refuse times that hops do not fill.
+
+    Args:
+        hop_us: length of a hop [µs].
+        times_us: what has to be a whole multiple of it, by name [µs].
+
+    Raises:
+        DetectorConfigError: one of them is not.
+    """
+    for name, value in times_us.items():
+        if value % hop_us:
+            raise DetectorConfigError(
+                f"{name} is {value} µs, no multiple of hop_us = {hop_us} µs; allowed are whole "
+                "multiples; choose a hop that divides it"
+            )

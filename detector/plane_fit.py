@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
-from detector.parameters import check_numbers
+from detector.parameters import check_numbers, check_whole_hops
 from detector.surface_slopes import SurfaceSlopes
 from detector.tangential import winner_take_all
 from emulator.events import Events
@@ -80,11 +79,7 @@ class PlaneFitConfig:
     def __post_init__(self) -> None:
         """Check every value, and bring it to its type."""
         check_numbers(self, _RANGES)
-        if self.window_us % self.hop_us:
-            raise DetectorConfigError(
-                f"window_us is {self.window_us} µs, no multiple of hop_us = {self.hop_us} µs; "
-                "allowed are whole multiples; choose a hop that divides it"
-            )
+        check_whole_hops(self.hop_us, window_us=self.window_us)
 
 
 _RANGES: dict[str, tuple[float, float]] = {

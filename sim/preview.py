@@ -6,7 +6,6 @@ import copy
 import hashlib
 import struct
 from collections.abc import Iterable, Iterator, Sequence
-from types import TracebackType
 
 import cv2
 import mujoco
@@ -47,12 +46,7 @@ class Preview:
     def __enter__(self) -> Preview:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._renderer.close()
 
     def draw(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> npt.NDArray[np.uint8]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from detector.estimate import MotionEstimate
 from detector.fly import FlyMaps
@@ -57,12 +56,7 @@ class SequenceRecorder:
     def __enter__(self) -> SequenceRecorder:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._recorder.close()
 
     def log(self, sample: Sample, output: SensorOutput) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import fmean
 
 from scipy.stats import spearmanr
@@ -33,35 +33,41 @@ _LEAST_SPEEDS = 3
 
 def fly_is_steadier(rows: Sequence[Row]) -> Claim:
     """Section III: clearer and more stable than frames."""
-    statement = "the event-driven fly's response is steadier than the frame-based model's"
-    where = "Section III, Fig. EX1 and EX2"
-    pairs = _pairs(rows, VARIATION, where_missing=float("inf"))
-    if not pairs:
-        return not_tested(statement, where, "no run of both flies")
-    good = [name for name, (fly, frames) in pairs.items() if fly < frames]
-    told_pairs = ", ".join(f"{n} {_number(a)} and {_number(b)}" for n, (a, b) in pairs.items())
-    evidence = (
+    return _frames_against_fly(
+        "the event-driven fly's response is steadier than the frame-based model's",
+        _pairs(rows, VARIATION, where_missing=float("inf")),
+        lambda fly, frames: fly < frames,
         "Standard deviation of the settled response over its mean, of the fly and of the "
-        f"frame-based one: {told_pairs}; less in {len(good)} of {len(pairs)} sequences."
+        "frame-based one: {pairs}; less in {good} sequences.",
     )
-    return Claim(statement, where, graded(len(good) / len(pairs)), evidence)
 
 
 def frames_are_weaker(rows: Sequence[Row]) -> Claim:
     """Section III: frame-based responses are generally weaker."""
-    statement = "the frame-based model's response is weaker than the event-driven fly's"
+    return _frames_against_fly(
+        "the frame-based model's response is weaker than the event-driven fly's",
+        _pairs(rows, STRENGTH, where_missing=0.0),
+        lambda fly, frames: frames < fly,
+        "Mean settled response along the true direction, of the fly and of the frame-based one, "
+        "each normalised by a sigmoid of its own scale: {pairs}; the latter less in {good} "
+        "sequences.",
+    )
+
+
+def _frames_against_fly(
+    statement: str,
+    pairs: Mapping[str, tuple[float, float]],
+    holds: Callable[[float, float], bool],
+    evidence: str,
+) -> Claim:
+    """A claim on each sequence's pair of fly and frames; `evidence` has {pairs} and {good}."""
     where = "Section III, Fig. EX1 and EX2"
-    pairs = _pairs(rows, STRENGTH, where_missing=0.0)
     if not pairs:
         return not_tested(statement, where, "no run of both flies")
-    good = [name for name, (fly, frames) in pairs.items() if frames < fly]
+    good = sum(holds(fly, frames) for fly, frames in pairs.values())
     told_pairs = ", ".join(f"{n} {_number(a)} and {_number(b)}" for n, (a, b) in pairs.items())
-    evidence = (
-        "Mean settled response along the true direction, of the fly and of the frame-based one, "
-        f"each normalised by a sigmoid of its own scale: {told_pairs}; the latter less in "
-        f"{len(good)} of {len(pairs)} sequences."
-    )
-    return Claim(statement, where, graded(len(good) / len(pairs)), evidence)
+    told_evidence = evidence.format(pairs=told_pairs, good=f"{good} of {len(pairs)}")
+    return Claim(statement, where, graded(good / len(pairs)), told_evidence)
 
 
 def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
