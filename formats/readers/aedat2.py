@@ -15,10 +15,10 @@ import numpy as np
 
 from formats.errors import FormatError
 from formats.raw import Array, Columns, Head, Item, Options, Reading, Size
+from formats.readers.aedat_header import read_header
 
 _RECORD = np.dtype([("address", ">u4"), ("t", ">u4")])
 _BLOCK = 1 << 17
-_HEADER_LINE_MAX = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def read(path: Path, options: Options) -> Reading:
     Raises:
         FormatError: the header names no chip that is known.
     """
-    header, start = _header(path)
+    header, start = read_header(path)
     named = re.search(r"AEChip:\s*(\S+)", header)
     name = named[1].rsplit(".", 1)[-1] if named else ""
     chip = next((chip for known, chip in _CHIPS.items() if re.match(known, name, re.I)), None)
@@ -79,15 +79,6 @@ def read(path: Path, options: Options) -> Reading:
     created = re.search(r"created (.+)", header)
     says |= {"created": created[1].strip()} if created else {}
     return Head(chip.size, says), _items(path, start, chip)
-
-
-def _header(path: Path) -> tuple[str, int]:
-    lines, offset = [], 0
-    with path.open("rb") as file:
-        while (line := file.readline(_HEADER_LINE_MAX)).startswith(b"#"):
-            lines.append(line.decode("latin-1"))
-            offset += len(line)
-    return "".join(lines), offset
 
 
 def _items(path: Path, start: int, chip: Chip) -> Iterator[Item]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from formats.errors import FormatError
 from formats.raw import Columns, Head, Item, Options, Reading, Size
+from formats.readers.aedat_header import read_header
 
 _PACKET_HEAD = struct.Struct("<hhiiiiii")
 """Type, source, size of an event, offset of its time, overflows, capacity, number, valid."""
@@ -19,7 +20,6 @@ _POLARITY = 1
 _POLARITY_BYTES = 8
 _PACKET_MAX = 1 << 28
 """Longest packet that is believed (assumed: cAER's have a few kB) [bytes]."""
-_HEADER_LINE_MAX = 1 << 16
 
 _SIZES: dict[str, Size] = {
     "DVS128": (128, 128),
@@ -36,7 +36,7 @@ _SIZES: dict[str, Size] = {
 def read(path: Path, options: Options) -> Reading:
     """Events of contrast; packets of other types are left out."""
     del options
-    header, start = _header(path)
+    header, start = read_header(path, last=b"#!END-HEADER")
     source = re.search(r"#Source \d+: *(\S+)", header)
     began = re.search(r"#Start-Time: *(.+)", header)
     name = source[1] if source else ""
@@ -44,17 +44,6 @@ def read(path: Path, options: Options) -> Reading:
     says = {"source": name} if name else {}
     says |= {"start": began[1].strip()} if began else {}
     return Head(size, says), _items(path, start)
-
-
-def _header(path: Path) -> tuple[str, int]:
-    lines, offset = [], 0
-    with path.open("rb") as file:
-        while (line := file.readline(_HEADER_LINE_MAX)).startswith(b"#"):
-            lines.append(line.decode("latin-1"))
-            offset += len(line)
-            if line.startswith(b"#!END-HEADER"):
-                break
-    return "".join(lines), offset
 
 
 def _items(path: Path, start: int) -> Iterator[Item]:
