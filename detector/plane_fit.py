@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
@@ -109,28 +110,33 @@ def common_velocity(slopes: F64) -> tuple[tuple[float, float], float]:
         v [px/s], and |v| over its standard error along v. Where all edges have one direction, v
         is the slowest that fits: straight across them.
     """
+    vx, vy, ratio = _reweighted(slopes)
+    return (vx, vy), ratio
+
+
+@njit(cache=True)
+def _reweighted(slopes: Any) -> tuple[float, float, float]:
+    """Velocity (x, y) [px/s] and |v| over its standard error; see `common_velocity`."""
     steepness = np.hypot(slopes[:, 0], slopes[:, 1])
-    normals, speeds = slopes / steepness[:, None], 1.0 / steepness
+    nx, ny, speeds = slopes[:, 0] / steepness, slopes[:, 1] / steepness, 1.0 / steepness
     weights = np.ones_like(speeds)
+    vx = vy = xx = xy = yy = 0.0
+    residuals = speeds
     for _ in range(_ROUNDS):
-        weighted = (normals * weights[:, None]).T
-        scatter = weighted @ normals
-        scatter += _RIDGE * np.trace(scatter) * np.eye(2)
-        v = np.linalg.solve(scatter, weighted @ speeds)
-        residuals = normals @ v - speeds
-        spread = 1.4826 * float(np.median(np.abs(residuals))) + 1e-9
+        xx, xy, yy = (weights * nx * nx).sum(), (weights * nx * ny).sum(), (weights * ny * ny).sum()
+        ridge = _RIDGE * (xx + yy)
+        xx, yy = xx + ridge, yy + ridge
+        px, py = (weights * nx * speeds).sum(), (weights * ny * speeds).sum()
+        determinant = xx * yy - xy * xy
+        vx, vy = (yy * px - xy * py) / determinant, (xx * py - xy * px) / determinant
+        residuals = nx * vx + ny * vy - speeds
+        spread = 1.4826 * np.median(np.abs(residuals)) + 1e-9
         weights = 1.0 / (1.0 + (residuals / spread) ** 2)
-    return (float(v[0]), float(v[1])), _significance(v, scatter, weights, residuals)
-
-
-def _significance(v: Any, scatter: Any, weights: Any, residuals: Any) -> float:
-    """|v| over the standard error of v along itself."""
-    variance = float(weights @ residuals**2) / float(weights.sum())
-    speed = float(np.hypot(*v))
+    variance, speed = (weights * residuals**2).sum() / weights.sum(), np.hypot(vx, vy)
     if speed == 0.0 or variance == 0.0:
-        return 0.0
-    along = v / speed
-    return speed / math.sqrt(variance * float(along @ np.linalg.solve(scatter, along)))
+        return vx, vy, 0.0
+    spread_along = (yy * vx * vx - 2 * xy * vx * vy + xx * vy * vy) / (xx * yy - xy * xy)
+    return vx, vy, speed**2 / math.sqrt(variance * spread_along)
 
 
 class PlaneFit(HopDetector):

@@ -67,7 +67,7 @@ def _fit_all(
 ) -> int:
     number = 0
     side = 2 * radius + 1
-    room = np.empty((side**2, 3))
+    room, ranks = np.empty((side**2, 3)), np.empty(side**2, np.int64)
     swept = side * (radius + 1)
     for n in range(events.size):
         event = events[n]
@@ -77,7 +77,8 @@ def _fit_all(
         if is_burst:
             continue
         edge_us[p, y, x] = t
-        count = min(_neighbours(edge_us[p], x, y, t, radius, span_us, room), swept)
+        count = _neighbours(edge_us[p], x, y, t, radius, span_us, least, room, ranks)
+        count = _youngest(room, ranks, count, swept)
         slope = _plane(room, count, least, tolerance_px)
         if slope[0] != 0.0 or slope[1] != 0.0:
             slopes[number, 0], slopes[number, 1] = slope
@@ -86,25 +87,60 @@ def _fit_all(
 
 
 @njit(cache=True)
-def _neighbours(surface: Any, x: int, y: int, t: int, radius: int, span_us: int, room: Any) -> int:
+def _neighbours(
+    surface: Any,
+    x: int,
+    y: int,
+    t: int,
+    radius: int,
+    span_us: int,
+    least: int,
+    room: Any,
+    ranks: Any,
+) -> int:
     """Recent edges in the square around an event, itself too: dx, dy [px] and dt [s].
 
-    The youngest come first: those that this edge has swept, before what others left ahead of it.
+    They are only counted where they are fewer than the least. `ranks` grow with age; of the same
+    age, the one that is found first is the younger.
     """
     height, width = surface.shape
+    top, bottom = max(y - radius, 0), min(y + radius + 1, height)
+    left, right = max(x - radius, 0), min(x + radius + 1, width)
+    recent = 0
+    for row in range(top, bottom):
+        for column in range(left, right):
+            recent += t - surface[row, column] <= span_us
+    if recent < least:
+        return recent
     count = 0
-    for row in range(max(y - radius, 0), min(y + radius + 1, height)):
-        for column in range(max(x - radius, 0), min(x + radius + 1, width)):
+    for row in range(top, bottom):
+        for column in range(left, right):
             age = t - surface[row, column]
-            if age > span_us:
-                continue
-            k = count
-            while k > 0 and room[k - 1, 2] < -age * 1e-6:
-                room[k] = room[k - 1]
-                k -= 1
-            room[k, 0], room[k, 1], room[k, 2] = column - x, row - y, -age * 1e-6
-            count += 1
+            if age <= span_us:
+                room[count, 0], room[count, 1], room[count, 2] = column - x, row - y, age * -1e-6
+                ranks[count] = age * len(ranks) + count
+                count += 1
     return count
+
+
+@njit(cache=True)
+def _youngest(points: Any, ranks: Any, count: int, most: int) -> int:
+    """Keep the youngest: those that this edge has swept, without what others left ahead of it."""
+    if count <= most:
+        return count
+    kept = 0
+    for k in range(count):
+        younger = 0
+        for other in range(count):
+            younger += ranks[other] < ranks[k]
+        if younger < most:
+            points[kept, 0], points[kept, 1], points[kept, 2] = (
+                points[k, 0],
+                points[k, 1],
+                points[k, 2],
+            )
+            kept += 1
+    return kept
 
 
 @njit(cache=True)
@@ -136,15 +172,15 @@ def _plane(points: Any, count: int, least: int, tolerance_px: float) -> Any:
 @njit(cache=True)
 def _least_squares(points: Any, count: int) -> Any:
     """a, b, c of the plane through points, and whether they span one."""
-    mx = my = mt = 0.0
+    mx = my = mt = xx = xy = yy = xt = yt = 0.0
     for k in range(count):
-        mx, my, mt = mx + points[k, 0], my + points[k, 1], mt + points[k, 2]
-    mx, my, mt = mx / count, my / count, mt / count
-    xx = xy = yy = xt = yt = 0.0
-    for k in range(count):
-        x, y, t = points[k, 0] - mx, points[k, 1] - my, points[k, 2] - mt
+        x, y, t = points[k, 0], points[k, 1], points[k, 2]
+        mx, my, mt = mx + x, my + y, mt + t
         xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
         xt, yt = xt + x * t, yt + y * t
+    mx, my, mt = mx / count, my / count, mt / count
+    xx, xy, yy = xx - count * mx * mx, xy - count * mx * my, yy - count * my * my
+    xt, yt = xt - count * mx * mt, yt - count * my * mt
     determinant = xx * yy - xy * xy
     if determinant < 1e-6 * count * count:
         return 0.0, 0.0, 0.0, False
