@@ -13,8 +13,9 @@ study: setup
 demo: setup
 	$(BIN)/flybench demo
 
+# A process a core, as many as four: each may hold a renderer and a gigabyte.
 test: setup
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses logical --maxprocesses 4 --dist loadfile
 
 lint: setup
 	$(BIN)/ruff check .
