@@ -78,12 +78,16 @@ def correct(
         weights: (rows,) time for which the light before is to count more than it will [s].
         width: columns of the sensor [px].
     """
+    row, row_end = 0, width
     for block in range(changed.size):
         mask = changed[block]
         while mask:
             i = block * BLOCK + int(lowest_bit(mask))
             mask &= mask - _ONE
-            correction[i] += (before[i] - after[i]) * np.float32(weights[i // width])
+            while i >= row_end:
+                row += 1
+                row_end += width
+            correction[i] += (before[i] - after[i]) * np.float32(weights[row])
 
 
 @compiled

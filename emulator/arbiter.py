@@ -151,7 +151,9 @@ class Arbiter:
             self._granted,
             tally,
         )
-        stamped = self._latency.stamp(np.sort(self._granted[:count]), to_us - from_us)
+        granted = self._granted[:count].copy()
+        granted.sort()
+        stamped = self._latency.stamp(granted, to_us - from_us)
         readout = Readout(
             offered=keys.size,
             delayed=int(tally[DELAYED]),
@@ -163,12 +165,14 @@ class Arbiter:
 
     def _make_room(self, new: int) -> None:
         """See that the queue has room for `new` events, and forget releases that are over."""
-        queue, marks = self._queue, self._queue.marks
-        first, last = int(marks[HELD_FIRST]), int(marks[HELD_LAST])
-        for array in (queue.release_us, queue.release_pixel):
-            array[: last - first] = array[first:last]
-        marks[HELD_FIRST], marks[HELD_LAST] = 0, last - first
-        needed = max(int(marks[SLOTS]) + new, last - first + int(marks[PENDING]) + new)
+        queue, marks = self._queue, self._queue.marks.tolist()
+        first, last = marks[HELD_FIRST], marks[HELD_LAST]
+        held = last - first
+        if first > 0:
+            for array in (queue.release_us, queue.release_pixel):
+                array[:held] = array[first:last]
+            queue.marks[HELD_FIRST], queue.marks[HELD_LAST] = 0, held
+        needed = max(marks[SLOTS] + new, held + marks[PENDING] + new)
         if needed > queue.link.size:
             self._queue = larger_queue(queue, 2 * needed)
         if self._granted.size < needed:

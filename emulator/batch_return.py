@@ -35,7 +35,6 @@ from emulator.batch import (
     THETA_OFF,
     THETA_ON,
     Batch,
-    Reals,
 )
 from emulator.event_keys import Keys, make_key
 from emulator.photoreceptor import ramp_pieces
@@ -106,44 +105,21 @@ def leg_of(
 
 
 @inlined
-def pixel_of(fields: Reals, draws: np.uint32, behind: float, k: int) -> tuple[Pixel, Threshold]:
-    """Pixel `k` of a batch, before the step, and what mismatch has made of it."""
-    leak = fields[LEAK + k]
-    pixel = Pixel(
-        fields[LAG + k],
-        fields[CHANGE + k],
-        max(leak, 0.0),
-        fields[CLOCK + k],
-        max(-leak, 0.0),
-        np.int64(draws),
-        behind,
-    )
-    return pixel, Threshold(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
-
-
-@inlined
-def followed_pixel_of(fields: Reals, k: int) -> tuple[Pixel, Threshold]:
-    """Pixel `k` of a batch, after a step through which it was followed; its draws are left out."""
-    pixel = Pixel(
-        fields[NEW_LAG + k],
-        fields[NEW_CHANGE + k],
-        fields[NEW_LEAK + k],
-        fields[NEW_CLOCK + k],
-        0.0,
-        np.int64(0),
-        0.0,
-    )
-    return pixel, Threshold(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
-
-
-@inlined
 def time_to_wake(
-    fields: Reals, k: int, pixel: Pixel, threshold: Threshold, changed: bool, to_us: int
+    pixel: Pixel,
+    threshold: Threshold,
+    noise_rate: float,
+    drift: float,
+    changed: bool,
+    to_us: int,
 ) -> np.int32:
-    """When pixel `k` of a batch may next have an event: at once, if its light is on the move."""
+    """When a pixel may next have an event: at once, if its light is on the move.
+
+    It takes numbers, not the batch: an array handed over for every pixel would be counted in and
+    out of use for every pixel.
+    """
     sleep_us = 0.0
     if not changed:
-        noise_rate, drift = fields[NOISE_RATE + k], fields[DRIFT + k]
         sleep_us = earliest_event_us(pixel, threshold, noise_rate, drift)
     return np.int32(to_us + np.int64(sleep_us))
 
@@ -185,15 +161,20 @@ def return_followed(
         if outcome == SINGLE:
             keys[used] = make_key(fields[EVENT_TIME + k], step_us, i, int(fields[MARK + k]))
             used += 1
+        lag, change = fields[NEW_LAG + k], fields[NEW_CHANGE + k]
+        leak, clock = fields[NEW_LEAK + k], fields[NEW_CLOCK + k]
         own = pixels[i]
-        own.lag = fields[NEW_LAG + k]
-        own.change = fields[NEW_CHANGE + k]
-        own.leak = fields[NEW_LEAK + k]
-        own.clock = fields[NEW_CLOCK + k]
+        own.lag = lag
+        own.change = change
+        own.leak = leak
+        own.clock = clock
         own.touched_us = now_us
         light[i] = luminance[i]
-        pixel, threshold = followed_pixel_of(fields, k)
-        wake_us[i] = time_to_wake(fields, k, pixel, threshold, changes[k], to_us)
+        pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), 0.0)
+        threshold = Threshold(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
+        wake_us[i] = time_to_wake(
+            pixel, threshold, fields[NOISE_RATE + k], fields[DRIFT + k], changes[k], to_us
+        )
     return used
 
 
@@ -239,7 +220,17 @@ def finish_batch(
         i = int(places[k])
         own, changed = pixels[i], changes[k]
         slow = behind[i] if behind.size > i else np.float32(0.0)
-        pixel, threshold = pixel_of(fields, own.draws, np.float64(slow), k)
+        leak = fields[LEAK + k]
+        pixel = Pixel(
+            fields[LAG + k],
+            fields[CHANGE + k],
+            max(leak, 0.0),
+            fields[CLOCK + k],
+            max(-leak, 0.0),
+            np.int64(own.draws),
+            np.float64(slow),
+        )
+        threshold = Threshold(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         way = way_of(model, log_from, log_to, changed, -fields[REST + k], span_us)
         found = used
@@ -266,5 +257,7 @@ def finish_batch(
         if behind.size > i:
             behind[i] = pixel.behind
         light[i] = luminance[i]
-        wake_us[i] = time_to_wake(fields, k, pixel, threshold, changed, to_us)
+        wake_us[i] = time_to_wake(
+            pixel, threshold, fields[NOISE_RATE + k], fields[DRIFT + k], changed, to_us
+        )
     return count, used

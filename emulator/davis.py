@@ -120,7 +120,8 @@ class Davis346:
         aps_frames = self._aps.expose(
             before, frame, self._work.changed, from_us=self._last_us, to_us=time_us
         )
-        keys = np.sort(self._run_pixels(self._state, frame.ravel(), from_us, to_us))
+        keys = self._run_pixels(self._state, frame.ravel(), from_us, to_us)
+        keys.sort()
         keys, readout = self._arbiter.read_out(keys, from_us=from_us, to_us=to_us)
         events, causes = unpack_keys(keys, start_us=self._last_us, width=config.width)
         self._last_us = time_us
@@ -149,9 +150,10 @@ class Davis346:
         """Find the pixels that have work, and refuse light that is none."""
         width, height = self.config.width, self.config.height
         if changed is None:
-            look_everywhere(self._work)
+            look_everywhere(self._work.look)
         else:
-            look_within(self._work, check_window(changed, width=width, height=height), width)
+            window = check_window(changed, width=width, height=height)
+            look_within(self._work.look, window, width)
         parts, luminance = len(self._batches), frame.ravel()
         if not all(
             self._crew.share(

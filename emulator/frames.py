@@ -80,6 +80,8 @@ def check_frame(
             f"the frame has shape {frame.shape}; allowed is ({height}, {width}), rows by columns; "
             "render at the sensor's size or give SensorConfig the size of the frame"
         )
+    if frame.dtype == np.float32:
+        return np.ascontiguousarray(frame)
     if not np.issubdtype(frame.dtype, np.floating):
         raise FrameError(
             f"the frame has dtype {frame.dtype}; allowed is floating point luminance in cd/m²; "

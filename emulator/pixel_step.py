@@ -24,7 +24,7 @@ from emulator.batch_return import finish_batch, return_followed
 from emulator.crossings import solve_crossings
 from emulator.event_keys import Keys
 from emulator.pixels import BLOCK, PixelModel, PixelState, Ticks
-from emulator.scan import GROUP, Work
+from emulator.scan import GROUP, Work, next_block
 
 _ONE = np.uint64(1)
 
@@ -65,24 +65,23 @@ def fill_batch(work: Work, block: int, parts: int, batch: Batch) -> tuple[int, i
             changes[count] = False
             count += 1
             mask &= mask - _ONE
-        block += 1
-        if block % GROUP == 0:
-            block += (parts - 1) * GROUP
+        block = next_block(block, parts)
     return block, count
 
 
 @compiled
 def set_block_wake(
-    wake_us: Ticks, block_wake_us: Ticks, work: Work, first: int, last: int, to_us: np.int32
+    wake_us: Ticks, block_wake_us: Ticks, work: Work, to_us: np.int32, part: int, parts: int
 ) -> None:
-    """Note the earliest time to wake of each block that had work."""
-    for block in range(first, last):
-        if work.changed[block] | work.due[block]:
-            wake = wake_us[block * BLOCK : (block + 1) * BLOCK]
-            soonest = np.int32(2**30)
-            for i in range(wake.size):
-                soonest = min(soonest, np.int32(wake[i] - to_us))
+    """Note the earliest time to wake of each block of a thread that had work."""
+    block, changed, due = part * GROUP, work.changed, work.due
+    while block < changed.size:
+        if changed[block] | due[block]:
+            first, soonest = np.uint64(block * BLOCK), np.int32(2**30)
+            for i in range(min(BLOCK, wake_us.size - block * BLOCK)):
+                soonest = min(soonest, np.int32(wake_us[first + np.uint64(i)] - to_us))
             block_wake_us[block] = np.int32(soonest + to_us)
+        block = next_block(block, parts)
 
 
 @compiled
@@ -133,9 +132,5 @@ def step_pixels(
             )
             if done < count:
                 keys = doubled(keys)
-    wake_us, block_wake_us = state.wake_us, state.block_wake_us
-    for first in range(part * GROUP, blocks, parts * GROUP):
-        set_block_wake(
-            wake_us, block_wake_us, work, first, min(first + GROUP, blocks), np.int32(to_us)
-        )
+    set_block_wake(state.wake_us, state.block_wake_us, work, np.int32(to_us), part, parts)
     return keys, used

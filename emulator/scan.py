@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
+from emulator._compile import compiled, inlined
 from emulator.frames import MAX_LUMINANCE_CD_M2
 from emulator.pixels import BLOCK, Floats, PixelState, Ticks
 
+Flags = npt.NDArray[np.bool_]
 Masks = npt.NDArray[np.uint64]
 Words = npt.NDArray[np.int32]
 """Luminance as the words of memory that it takes."""
@@ -34,7 +35,7 @@ class Work(NamedTuple):
         due: mask of the pixels that may fire even if it has not.
     """
 
-    look: npt.NDArray[np.bool_]
+    look: Flags
     changed: Masks
     due: Masks
 
@@ -45,76 +46,82 @@ def no_work(pixels: int) -> Work:
     return Work(np.ones(blocks, np.bool_), np.zeros(blocks, np.uint64), np.zeros(blocks, np.uint64))
 
 
-def look_everywhere(work: Work) -> None:
+def look_everywhere(look: Flags) -> None:
     """Look at the light of every block."""
-    work.look.fill(True)
+    look.fill(True)
 
 
-def look_within(work: Work, window: tuple[int, int, int, int], width: int) -> None:
+@compiled
+def look_within(look: Flags, window: tuple[int, int, int, int], width: int) -> None:
     """Look only at the blocks that a window touches.
 
     Args:
-        work: changed in place.
+        look: (blocks,) put out; see `Work`.
         window: x0, y0, x1, y1 of the window, the last two exclusive [px].
         width: columns of the sensor [px].
     """
     x0, y0, x1, y1 = window
-    work.look.fill(False)
+    look[:] = False
     if x1 > x0:
         for row in range(y0, y1):
-            work.look[(row * width + x0) // BLOCK : (row * width + x1 - 1) // BLOCK + 1] = True
+            for block in range((row * width + x0) // BLOCK, (row * width + x1 - 1) // BLOCK + 1):
+                look[block] = True
+
+
+@inlined
+def next_block(block: int, parts: int) -> int:
+    """The block that a thread takes on after `block`."""
+    return block + 1 if (block + 1) % GROUP else block + 1 + (parts - 1) * GROUP
 
 
 @compiled
 def find_changed(
-    before: Words, after: Words, look: npt.NDArray[np.bool_], changed: Masks, first: int, last: int
+    before: Words, after: Words, look: Flags, changed: Masks, part: int, parts: int
 ) -> None:
     """Put masks of the pixels whose light has changed, bit by bit, into `changed`; NaN always has.
 
-    A loop of constant length over a slice is what a compiler makes the most of.
+    A compiler works on many pixels at a time if no index can be negative. Slices would be slower:
+    each counts itself in and out of the users of its array, with an instruction that cores share.
     """
-    for block in range(first, last):
-        mask = np.uint64(0)
+    block = part * GROUP
+    while block < look.size:
+        mask, first = np.uint64(0), np.uint64(block * BLOCK)
         if look[block]:
-            old = before[block * BLOCK : (block + 1) * BLOCK]
-            new = after[block * BLOCK : (block + 1) * BLOCK]
-            difference = np.int32(0)
-            if new.size == BLOCK:
-                for i in range(BLOCK):
-                    difference |= old[i] ^ new[i]
-            if difference != 0 or new.size < BLOCK:
-                for i in range(new.size):
-                    mask |= np.uint64(old[i] != new[i]) << np.uint64(i)
+            for i in range(min(BLOCK, before.size - block * BLOCK)):
+                place = first + np.uint64(i)
+                mask |= np.uint64(before[place] != after[place]) << np.uint64(i)
         changed[block] = mask
+        block = next_block(block, parts)
 
 
 @compiled
 def find_due(
-    wake_us: Ticks, block_wake_us: Ticks, due: Masks, first: int, last: int, to_us: np.int32
+    wake_us: Ticks, block_wake_us: Ticks, due: Masks, to_us: np.int32, part: int, parts: int
 ) -> None:
     """Put masks of the pixels whose time to wake is not after `to_us` into `due`."""
-    for block in range(first, last):
-        mask = np.uint64(0)
+    block = part * GROUP
+    while block < due.size:
+        mask, first = np.uint64(0), np.uint64(block * BLOCK)
         if np.int32(block_wake_us[block] - to_us) <= 0:
-            wake = wake_us[block * BLOCK : (block + 1) * BLOCK]
-            if wake.size == BLOCK:
-                for i in range(BLOCK):
-                    mask |= np.uint64(np.int32(wake[i] - to_us) <= 0) << np.uint64(i)
-            else:
-                for i in range(wake.size):
-                    mask |= np.uint64(np.int32(wake[i] - to_us) <= 0) << np.uint64(i)
+            for i in range(min(BLOCK, wake_us.size - block * BLOCK)):
+                awake = np.int32(wake_us[first + np.uint64(i)] - to_us) <= 0
+                mask |= np.uint64(awake) << np.uint64(i)
         due[block] = mask
+        block = next_block(block, parts)
 
 
 @compiled
-def are_light(luminance: Floats, changed: Masks, first: int, last: int) -> bool:
+def are_light(luminance: Floats, changed: Masks, part: int, parts: int) -> bool:
     """Whether blocks that have changed can be light: no NaN, nothing negative or too bright."""
     valid = True
-    for block in range(first, last):
+    block = part * GROUP
+    while block < changed.size:
         if changed[block]:
-            light = luminance[block * BLOCK : (block + 1) * BLOCK]
-            for i in range(light.size):
-                valid &= (light[i] >= np.float32(0.0)) & (light[i] <= _MAX)
+            first = np.uint64(block * BLOCK)
+            for i in range(min(BLOCK, luminance.size - block * BLOCK)):
+                light = luminance[first + np.uint64(i)]
+                valid &= (light >= np.float32(0.0)) & (light <= _MAX)
+        block = next_block(block, parts)
     return valid
 
 
@@ -136,13 +143,6 @@ def find_work(
         Whether all light is light. If not, `work` is of no use; `state` is as it was in any case.
     """
     before, after = state.luminance.view(np.int32), luminance.view(np.int32)
-    wake_us, block_wake_us = state.wake_us, state.block_wake_us
-    look, changed, due = work.look, work.changed, work.due
-    blocks = look.size
-    valid = True
-    for first in range(part * GROUP, blocks, parts * GROUP):
-        last = min(first + GROUP, blocks)
-        find_changed(before, after, look, changed, first, last)
-        find_due(wake_us, block_wake_us, due, first, last, np.int32(to_us))
-        valid &= are_light(luminance, changed, first, last)
-    return valid
+    find_changed(before, after, work.look, work.changed, part, parts)
+    find_due(state.wake_us, state.block_wake_us, work.due, np.int32(to_us), part, parts)
+    return are_light(luminance, work.changed, part, parts)

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emulator import ApsConfig, ApsFrame, Davis346, SensorConfig, SensorConfigError
-from emulator.aps_exposure import trapezoid_weights
+from emulator.aps_exposure import correct, trapezoid_weights
+from emulator.pixels import BLOCK
 from tests.emulator.scenes import flat, luminance_for, noisy, quiet
 
 FIXED = ApsConfig(noise=False, auto_exposure=False, exposure_us=10_000)
@@ -20,6 +21,22 @@ def watch(
     frame = flat(luminance_for(lux, config), config)
     times = range(500, round(seconds * 1e6) + 501, step_us)
     return [found for t in times for found in sensor.step(t, frame).aps_frames]
+
+
+@pytest.mark.parametrize("width", [5, 70])
+def test_what_has_changed_is_corrected_by_the_weight_of_its_row(width: int) -> None:
+    rng = np.random.default_rng(1)
+    before, after = rng.uniform(0.0, 9.0, (2, 30, width)).astype(np.float32)
+    changed = rng.random((30, width)) < 0.3
+    changed[5:20] = False
+    weights = rng.uniform(0.0, 1e-3, 30)
+    marks = np.zeros((-(-changed.size // BLOCK), BLOCK), np.uint8)
+    marks.ravel()[: changed.size] = changed.ravel()
+    masks = np.packbits(marks, axis=1, bitorder="little").view("<u8").ravel().astype(np.uint64)
+    found = np.zeros(changed.size, np.float32)
+    correct(found, before.ravel(), after.ravel(), masks, weights, width)
+    expected = np.where(changed, (before - after) * weights[:, np.newaxis], 0.0)
+    assert found.reshape(changed.shape) == pytest.approx(expected, rel=1e-5)
 
 
 def test_levels_are_linear_in_light() -> None:

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from emulator import ApsConfig, Davis346, FrameError, SensorConfig, SensorConfigError
+from emulator.pixels import BLOCK
+from emulator.scan import find_changed, find_due, look_within, no_work
 from tests.emulator.scenes import flat, noisy, run
 
 Frame = np.ndarray[Any, np.dtype[np.float32]]
@@ -25,6 +27,44 @@ def small_mover(n: int, level: float) -> list[tuple[int, Frame]]:
         frame[y0:y1, x0:x1] *= grain.astype(np.float32)
         samples.append((k * 1000, frame))
     return samples
+
+
+def bits(masks: np.ndarray[Any, np.dtype[np.uint64]], pixels: int) -> list[bool]:
+    """What masks say of each pixel."""
+    return [bool(int(masks[i // BLOCK]) >> (i % BLOCK) & 1) for i in range(pixels)]
+
+
+@pytest.mark.parametrize(("width", "height"), [(100, 7), (3, 50), (64, 2), (1, 1)])
+@pytest.mark.parametrize("window", [(0, 0, 1, 1), (0, 1, 3, 2), (1, 0, 50, 7), (0, 0, 0, 0)])
+def test_blocks_are_looked_at_that_the_window_touches(
+    width: int, height: int, window: tuple[int, int, int, int]
+) -> None:
+    x1, y1 = min(window[2], width), min(window[3], height)
+    x0, y0 = min(window[0], x1), min(window[1], y1)
+    inside = np.zeros((height, width), bool)
+    inside[y0:y1, x0:x1] = True
+    look = no_work(width * height).look
+    look_within(look, (x0, y0, x1, y1), width)
+    parts = np.split(inside.ravel(), range(BLOCK, inside.size, BLOCK))
+    assert look.tolist() == [bool(part.any()) for part in parts]
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_each_thread_marks_its_pixels_and_together_they_mark_all(parts: int) -> None:
+    pixels = 16 * BLOCK * 3 + 10 * BLOCK + 7
+    rng = np.random.default_rng(1)
+    before = rng.integers(0, 3, pixels).astype(np.int32)
+    after, wake_us = rng.permutation(before), rng.integers(0, 100, pixels).astype(np.int32)
+    work = no_work(pixels)
+    work.look[::5] = False
+    block_wake_us = np.zeros(work.look.size, np.int32)
+    block_wake_us[::3] = 60
+    for part in range(parts):
+        find_changed(before, after, work.look, work.changed, part, parts)
+        find_due(wake_us, block_wake_us, work.due, np.int32(50), part, parts)
+    block = np.arange(pixels) // BLOCK
+    assert bits(work.changed, pixels) == ((before != after) & work.look[block]).tolist()
+    assert bits(work.due, pixels) == ((wake_us <= 50) & (block_wake_us[block] <= 50)).tolist()
 
 
 @pytest.mark.parametrize("level", [0.3, 300.0])
