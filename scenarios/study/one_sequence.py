@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from detector.estimate import Direction, MotionEstimate
 from detector.metrics import within
-from emulator import Davis346, SensorConfig
+from emulator import ApsFrame, Davis346, Events, SensorConfig
 from scenarios.config import RunConfig
 from scenarios.judgement import SETTLING_US, Track, judge
 from scenarios.light_options import LightOptions
@@ -25,7 +25,14 @@ from scenarios.study.memory import give_back
 from scenarios.study.results import MethodRun, Snapshot
 from scenarios.study.results import Sequence as Result
 from scenarios.study.snapshots import Album
-from scenarios.study.watcher import CHUNK_US, CONTRAST_HOP_US, Chunk, Watcher, make_watcher, warm_up
+from scenarios.study.watcher import (
+    CHUNK_US,
+    CONTRAST_HOP_US,
+    Watcher,
+    joined,
+    make_watcher,
+    warm_up,
+)
 from sim import Crossing, CrossingConfig, Sample
 
 MAPS_PERIOD_US = 50_000
@@ -142,41 +149,51 @@ class Audience:
         """
         self._task, self._recorder = task, recorder
         self._sensors = [Davis346(task.sensor, seed=seed) for seed in task.seeds]
-        self._chunks = [Chunk() for _ in task.seeds]
+        self._samples: list[Sample] = []
         self._watchers = [task.watchers(seed) for seed in task.seeds]
         self._track, self._album = Track(), Album()
         self._velocity: list[tuple[int, float]] = []
-        self._due_us, self._now_us = CHUNK_US, 0
+        self._due_us = CHUNK_US
 
     def show(self, sample: Sample) -> None:
-        """Show the next sample of light to every sensor."""
+        """Take the next sample of light, to show to every sensor with the others of its chunk.
+
+        One sensor after the other sees a whole chunk, so that a processor's caches hold its state.
+        """
         note(self._track, sample.truth)
         if not self._velocity or sample.t_us >= self._velocity[-1][0] + CHUNK_US:
             velocity_px_s = float(sample.truth.image_velocity_px_s[0])
             self._velocity.append((sample.t_us, velocity_px_s))
-        for n, (sensor, chunk) in enumerate(zip(self._sensors, self._chunks, strict=True)):
-            output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
-            chunk.add(output)
-            if n == 0 and self._recorder is not None:
-                self._recorder.log(sample, output)
-        self._now_us = sample.t_us
+        self._samples.append(sample)
         if sample.t_us >= self._due_us:
-            self._pass_on(sample.t_us + 1)
+            self._pass_on()
             self._due_us = (sample.t_us // CHUNK_US + 1) * CHUNK_US
 
     def end(self) -> None:
         """Pass on what is left, after the last sample."""
-        self._pass_on(self._now_us + 1)
+        self._pass_on()
 
-    def _pass_on(self, until_us: int) -> None:
-        for n, (chunk, watchers) in enumerate(zip(self._chunks, self._watchers, strict=True)):
-            events, frames = chunk.take()
+    def _pass_on(self) -> None:
+        if not self._samples:
+            return
+        until_us = self._samples[-1].t_us + 1
+        for n, (sensor, watchers) in enumerate(zip(self._sensors, self._watchers, strict=True)):
+            events, frames = self._seen(sensor, is_first=n == 0)
             for watcher in watchers:
                 said = watcher.watch(events, frames, until_us=until_us)
                 if n == 0:
                     self._take_down(watcher, said)
             if n == 0:
                 self._album.add_frames(frames)
+        self._samples = []
+
+    def _seen(self, sensor: Davis346, *, is_first: bool) -> tuple[Events, list[ApsFrame]]:
+        """What a sensor says of the chunk."""
+        outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in self._samples]
+        if is_first and self._recorder is not None:
+            for sample, output in zip(self._samples, outputs, strict=True):
+                self._recorder.log(sample, output)
+        return joined(outputs)
 
     def _take_down(self, watcher: Watcher, said: Sequence[MotionEstimate]) -> None:
         maps = watcher.maps

@@ -26,24 +26,11 @@ _WARM_UP_US = 300_000
 _WARM_UP_PX_S = 400.0
 
 
-@dataclass
-class Chunk:
-    """What a sensor said since the chunk before, gathered sample by sample."""
-
-    events: list[Events] = field(default_factory=list)
-    frames: list[ApsFrame] = field(default_factory=list)
-
-    def add(self, output: SensorOutput) -> None:
-        """Take the output of the next step."""
-        if output.events.size:
-            self.events.append(output.events)
-        self.frames += output.aps_frames
-
-    def take(self) -> tuple[Events, list[ApsFrame]]:
-        """All that was gathered; the chunk is empty again."""
-        events = np.concatenate(self.events) if self.events else empty_events()
-        frames, self.events, self.frames = self.frames, [], []
-        return events, frames
+def joined(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
+    """The events and the frames of several steps of a sensor, in their order."""
+    events = [output.events for output in outputs if output.events.size]
+    frames = [frame for output in outputs for frame in output.aps_frames]
+    return np.concatenate(events) if events else empty_events(), frames
 
 
 @dataclass

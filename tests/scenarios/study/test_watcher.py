@@ -5,23 +5,21 @@ from detector.errors import DetectorConfigError
 from emulator import ApsFrame, SensorOutput
 from emulator.events import EVENT_DTYPE
 from scenarios.methods import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, MethodError
-from scenarios.study.watcher import Chunk, make_watcher, warm_up
+from scenarios.study.watcher import joined, make_watcher, warm_up
 
 SIZE = {"width": 60, "height": 48}
 
 
-def test_a_chunk_joins_what_steps_gave() -> None:
+def test_steps_are_joined_in_their_order() -> None:
     events = np.zeros(3, EVENT_DTYPE)
     events["t"] = (5, 6, 9)
     frame = ApsFrame(0, 7, np.zeros((48, 60), np.uint16))
     none = np.empty(0, np.uint8)
-    chunk = Chunk()
-    for part, frames in ((events[:2], (frame,)), (events[:0], ()), (events[2:], ())):
-        chunk.add(SensorOutput(part, none, frames))
-    joined, taken = chunk.take()
-    np.testing.assert_array_equal(joined, events)
-    assert taken == [frame]
-    assert (chunk.take()[0].size, chunk.frames) == (0, [])
+    parts = ((events[:2], (frame,)), (events[:0], ()), (events[2:], ()))
+    together, frames = joined([SensorOutput(part, none, shots) for part, shots in parts])
+    np.testing.assert_array_equal(together, events)
+    assert frames == [frame]
+    assert joined([])[0].dtype == EVENT_DTYPE
 
 
 @pytest.mark.parametrize("method", [FLY, FRAME_FLY, CONTRAST, PLANE_FIT])
