@@ -10,21 +10,20 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
-from detector.contrast_search import Candidate, RewardAt, search_cold, search_warm
+from detector.contrast_search import Candidate, search_cold, search_warm
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
 from detector.parameters import check_numbers, check_whole_hops
 from detector.tangential import winner_take_all
-from detector.warped_events import Reward, rewards
-from emulator.events import Events, empty_events
+from detector.warped_events import Reward, WarpedEvents, centred_points
+from emulator.events import Events, empty_events, joined
 
 __all__ = [
     "ContrastConfig",
@@ -33,9 +32,6 @@ __all__ = [
     "Reward",
     "maximise_contrast",
 ]
-
-F32 = npt.NDArray[np.float32]
-F64 = npt.NDArray[np.float64]
 
 _GLANCE_EVENTS = 2500
 """With how many events a warm search looks all over (assumed): as many as a car's rims make."""
@@ -150,65 +146,41 @@ def maximise_contrast(
     if events.size < c.least_events:
         return None
     window_s = (to_us - from_us) * 1e-6
-    middle_us = (from_us + to_us) / 2
-    points = centred_points(_thinned(events, c.most_events), middle_us=middle_us)
     reach = c.limit_px_s * window_s
-    area = (width + reach) * (height + reach)
+    area_px = (width + reach) * (height + reach)
 
-    def reward_at(velocities: F64, scale_px: float) -> F64:
-        return rewards(points, velocities, scale_px=scale_px, reward=c.reward, area_px=area)
+    def at_most(number: int) -> WarpedEvents:
+        points = centred_points(events, most=number, middle_us=(from_us + to_us) / 2)
+        return WarpedEvents(points, reward=c.reward, area_px=area_px)
 
-    def told(velocity: Candidate, *, is_cold: bool) -> ContrastEstimate:
-        here = np.array([velocity])
-        reward = float(reward_at(here, 1.0)[0])
-        by_chance = [
-            float(rewards(p, here, scale_px=1.0, reward=c.reward, area_px=area)[0])
-            for p in _shuffled(points)
-        ]
-        return ContrastEstimate(velocity, reward, _standard_score(reward, by_chance), is_cold)
-
-    def by_some(number: int) -> RewardAt:
-        some = centred_points(_thinned(events, number), middle_us=middle_us)
-        return lambda velocities, scale_px: rewards(
-            some, velocities, scale_px=scale_px, reward=c.reward, area_px=area
-        )
-
+    warped = at_most(c.most_events)
     limits = {"window_s": window_s, "limit_px_s": c.limit_px_s}
     if start is not None:
-        velocity = search_warm(reward_at, by_some(_GLANCE_EVENTS), start, **limits)
-        found = told(velocity, is_cold=False)
+        glance = at_most(_GLANCE_EVENTS)
+        velocity = search_warm(warped.rewards, glance.rewards, start, **limits)
+        found = _told(warped, velocity, is_cold=False)
         if found.prominence >= c.prominence_floor and math.hypot(*velocity) <= c.limit_px_s:
             return found
-    velocity = search_cold(reward_at, survey_at=by_some(_SURVEY_EVENTS), **limits)
-    return told(velocity, is_cold=True)
+    survey = at_most(_SURVEY_EVENTS)
+    velocity = search_cold(warped.rewards, survey_at=survey.rewards, **limits)
+    return _told(warped, velocity, is_cold=True)
 
 
-def centred_points(events: Events, *, middle_us: float) -> F32:
-    """Events as (3, n) float32: x [px], y [px] and the time from the window's middle [s]."""
-    t = (events["t"] - middle_us) * 1e-6
-    return np.stack([events["x"], events["y"], t]).astype(np.float32)
-
-
-def _thinned(events: Events, most: int) -> Events:
-    if events.size <= most:
-        return events
-    return events[np.arange(most) * events.size // most]
-
-
-def _shuffled(points: F32) -> Iterator[F32]:
-    """The same events with their times exchanged at random, the same for the same events."""
-    for order in _orders(points.shape[1]):
-        yield np.stack([points[0], points[1], points[2, order]])
+def _told(warped: WarpedEvents, velocity: Candidate, *, is_cold: bool) -> ContrastEstimate:
+    """A velocity with its reward, and how far that is from chance."""
+    reward = float(warped.rewards(np.array([velocity]), 1.0)[0])
+    by_chance = warped.rewards_by_chance(velocity, 1.0, _orders(warped.number))
+    return ContrastEstimate(velocity, reward, _standard_score(reward, by_chance), is_cold)
 
 
 @lru_cache(maxsize=2)
-def _orders(number: int) -> npt.NDArray[np.int64]:
-    """(shuffles, number) random orders, kept since most windows have as many events."""
+def _orders(number: int) -> npt.NDArray[np.int32]:
+    """(shuffles, number) random orders, the same for as many events; most windows have as many."""
     rng = np.random.default_rng(0)
-    return np.stack([rng.permutation(number) for _ in range(_SHUFFLES)])
+    return np.stack([rng.permutation(number) for _ in range(_SHUFFLES)]).astype(np.int32)
 
 
-def _standard_score(value: float, others: Sequence[float]) -> float:
+def _standard_score(value: float, others: npt.NDArray[np.float64]) -> float:
     spread = float(np.std(others, ddof=1))
     return (value - float(np.mean(others))) / spread if spread > 0.0 else 0.0
 
@@ -240,7 +212,7 @@ class ContrastMaximisation(HopDetector):
         c = self.config
         self._window.append(events)
         found = maximise_contrast(
-            np.concatenate(self._window),
+            joined(self._window),
             from_us=end_us - c.window_us,
             to_us=end_us,
             width=self._width,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -46,7 +47,7 @@ class _Known:
         self._known: dict[tuple[float, float, float], float] = {}
 
     def __call__(self, velocities: F64, scale_px: float) -> F64:
-        keys = [(round(float(x), 6), round(float(y), 6), scale_px) for x, y in velocities]
+        keys = [(x, y, scale_px) for x, y in velocities.round(6).tolist()]
         new = [n for n, key in enumerate(keys) if key not in self._known]
         if new:
             found = self._reward_at(velocities[new], scale_px)
@@ -129,7 +130,13 @@ def disc(radius: float, step: float) -> F64:
 
 def square(reach: int, step: float) -> F64:
     """Points of a square grid around (0, 0), `reach` steps to all sides, (n, 2)."""
-    axis = np.arange(-reach, reach + 1) * step
+    return np.asarray(_unit_square(reach) * step, np.float64)
+
+
+@lru_cache(maxsize=8)
+def _unit_square(reach: int) -> npt.NDArray[np.int64]:
+    """The same in steps; not to be changed."""
+    axis = np.arange(-reach, reach + 1)
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
 
 

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from detector.frame_pathways import share_of_present
 
 F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
 
 _BELOW_HALF = math.nextafter(0.5, 0.0)
 
@@ -27,8 +30,7 @@ def delayed(now: F32, before: F32, *, interval_us: float, tau_us: float) -> F32:
         interval_us: time between the two [µs].
         tau_us: time constant of the delay [µs].
     """
-    alpha = np.float32(share_of_present(interval_us, tau_us))
-    return np.asarray(alpha * now + (1 - alpha) * before, np.float32)
+    return _mixed(now, before, share=share_of_present(interval_us, tau_us))
 
 
 def opponent_motion(
@@ -58,29 +60,45 @@ def opponent_motion(
     motion = np.zeros((2, *now.shape), np.float32)
     for offset, tau_us in zip(offsets, delays_us, strict=True):
         late = delayed(now, before, interval_us=interval_us, tau_us=tau_us)
-        for axis in (0, 1):
-            _add_correlators(motion[axis], now, late, offset, axis=1 - axis)
+        _add_correlators(motion, now, late, offset)
     return motion
 
 
-def _add_correlators(motion: F32, now: F32, late: F32, offset: int, *, axis: int) -> None:
-    """Add the pairs at a distance along an array's axis where their midpoints are."""
-    length = now.shape[axis]
-    if offset >= length:
-        return
-    near = tuple(slice(None, length - offset) if a == axis else slice(None) for a in (0, 1))
-    far = tuple(slice(offset, None) if a == axis else slice(None) for a in (0, 1))
+@njit(cache=True)
+def _add_correlators(motion: Any, now: Any, late: Any, offset: int) -> None:
+    """Add the pairs at a distance along both axes where their midpoints are."""
+    rows, columns = now.shape
     first = offset // 2
-    middle = tuple(
-        slice(first, first + length - offset) if a == axis else slice(None) for a in (0, 1)
-    )
-    motion[middle] += late[near] * now[far] - now[near] * late[far]
+    for y in range(rows):
+        middle = motion[0, y, first:]
+        near_now, near_late = now[y], late[y]
+        far_now, far_late = now[y, offset:], late[y, offset:]
+        for x in range(columns - offset):
+            middle[x] += near_late[x] * far_now[x] - near_now[x] * far_late[x]
+    for y in range(rows - offset):
+        middle = motion[1, y + first]
+        near_now, near_late = now[y], late[y]
+        far_now, far_late = now[y + offset], late[y + offset]
+        for x in range(columns):
+            middle[x] += near_late[x] * far_now[x] - near_now[x] * far_late[x]
 
 
 def smoothed(now: F32, before: F32, *, share: float) -> F32:
     """T4 and T5 in time: `share` of the present and the rest of the past."""
-    weight = np.float32(share)
-    return np.asarray(weight * now + (1 - weight) * before, np.float32)
+    return _mixed(now, before, share=share)
+
+
+def _mixed(now: F32, before: F32, *, share: float) -> F32:
+    mix = np.empty(now.shape, np.float32)
+    _mix(now.ravel(), before.ravel(), np.float32(share), mix.ravel())
+    return mix
+
+
+@njit(cache=True)
+def _mix(now: Any, before: Any, share: Any, mix: Any) -> None:
+    rest = np.float32(1.0) - share
+    for k in range(now.size):
+        mix[k] = share * now[k] + rest * before[k]
 
 
 def tangential_response(total: float, *, cells: int, scale: float) -> float:
@@ -98,7 +116,39 @@ def tangential_response(total: float, *, cells: int, scale: float) -> float:
     return max(-_BELOW_HALF, min(_BELOW_HALF, response))
 
 
-def block_signal_to_noise(motion: F32, *, side: int) -> tuple[float, float]:
+def block_sums(maps: F32, *, side: int) -> F64:
+    """Sums over square blocks; those at the right and lower edge are what is left.
+
+    Args:
+        maps: (maps, rows, columns).
+        side: of a block [cells].
+
+    Returns:
+        (maps, rows of blocks, columns of blocks) float64.
+    """
+    number, rows, columns = maps.shape
+    sums = np.zeros((number, -(-rows // side), -(-columns // side)))
+    _add_up(maps, side, sums)
+    return sums
+
+
+@njit(cache=True)
+def _add_up(maps: Any, side: int, sums: Any) -> None:
+    number, rows, columns = maps.shape
+    line = np.empty(columns)
+    for n in range(number):
+        for block in range(sums.shape[1]):
+            line[:] = 0.0
+            for y in range(block * side, min((block + 1) * side, rows)):
+                row = maps[n, y]
+                for x in range(columns):
+                    line[x] += row[x]
+            for k in range(sums.shape[2]):
+                for x in range(k * side, min((k + 1) * side, columns)):
+                    sums[n, block, k] += line[x]
+
+
+def block_signal_to_noise(sums: F64) -> tuple[float, float]:
     """How far HS and VS stand out from what does not agree; see `detector.tangential`.
 
     Neighbours share their input through the Gaussians and cannot be counted as independent, so
@@ -107,15 +157,11 @@ def block_signal_to_noise(motion: F32, *, side: int) -> tuple[float, float]:
     but leave so few blocks that what does move cannot reach much.
 
     Args:
-        motion: opponent map, (2, rows, columns).
-        side: of a block [cells].
+        sums: `block_sums` of the opponent map, (2, rows, columns).
 
     Returns:
         The ratio of HS and of VS; 0 in silence.
     """
-    _, rows, columns = motion.shape
-    sums = np.add.reduceat(motion.astype(np.float64), np.arange(0, rows, side), axis=1)
-    sums = np.add.reduceat(sums, np.arange(0, columns, side), axis=2).reshape(2, -1)
-    totals, powers = np.abs(sums.sum(axis=1)), np.sqrt((sums**2).sum(axis=1))
+    totals, powers = np.abs(sums.sum(axis=(1, 2))), np.sqrt((sums**2).sum(axis=(1, 2)))
     horizontal, vertical = np.divide(totals, powers, out=np.zeros(2), where=powers > 0.0)
     return float(horizontal), float(vertical)

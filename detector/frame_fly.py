@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +11,7 @@ from detector.errors import DetectorConfigError, FrameError
 from detector.estimate import MotionEstimate
 from detector.frame_correlation import (
     block_signal_to_noise,
+    block_sums,
     opponent_motion,
     smoothed,
     tangential_response,
@@ -148,13 +151,15 @@ class FrameFly:
     def _estimate(self, t_us: int) -> MotionEstimate:
         """Tangential cells: HS and VS from T4 and T5 of the whole field."""
         c = self.config
-        totals = self._motion.sum(axis=(2, 3), dtype=np.float64)
-        cells = self._motion[0, 0].size
+        grid = self._motion.shape[2:]
+        sums = block_sums(self._motion.reshape(4, *grid), side=c.kernel_centre_cells)
+        totals = sums.sum(axis=(1, 2)).reshape(2, 2)
+        cells = math.prod(grid)
         hs, vs = (
             sum(tangential_response(t, cells=cells, scale=c.response_scale) for t in pathways)
             for pathways in totals.T.tolist()
         )
-        snr = block_signal_to_noise(self._motion.sum(axis=0), side=c.kernel_centre_cells)
+        snr = block_signal_to_noise(sums[:2] + sums[2:])
         horizontal, vertical = totals.sum(axis=0).tolist()
         return MotionEstimate(
             t_us=t_us,

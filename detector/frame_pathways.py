@@ -6,9 +6,12 @@ lamina, and the entry of the medulla. A map is (rows, columns) float32.
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 F32 = npt.NDArray[np.float32]
 
@@ -65,14 +68,35 @@ def spatial_difference(centre: F32, surround: F32) -> F32:
     brightening; where both are darker, as darkening. Where they disagree in sign the rule says
     nothing, and so does this function (0, assumed).
     """
-    size = np.abs(centre - surround)
-    signs = (np.sign(centre) + np.sign(surround)) / 2
-    return np.asarray(size * np.trunc(signs), np.float32)
+    difference = np.empty(centre.shape, np.float32)
+    _subtract(centre.ravel(), surround.ravel(), difference.ravel())
+    return difference
+
+
+@njit(cache=True)
+def _subtract(centre: Any, surround: Any, difference: Any) -> None:
+    for k in range(centre.size):
+        size = abs(centre[k] - surround[k])
+        if centre[k] > 0.0 and surround[k] > 0.0:
+            difference[k] = size
+        elif centre[k] < 0.0 and surround[k] < 0.0:
+            difference[k] = -size
+        else:
+            difference[k] = 0.0
 
 
 def on_off(signal: F32) -> F32:
     """Half-wave rectification into two pathways: (2, rows, columns), ON and OFF, each ≥ 0."""
-    return np.stack([np.maximum(signal, 0.0), np.maximum(-signal, 0.0)])
+    pathways = np.empty((2, *signal.shape), np.float32)
+    _rectify(signal.ravel(), pathways.reshape(2, -1))
+    return pathways
+
+
+@njit(cache=True)
+def _rectify(signal: Any, pathways: Any) -> None:
+    on, off = pathways
+    for k in range(signal.size):
+        on[k], off[k] = max(signal[k], np.float32(0.0)), max(-signal[k], np.float32(0.0))
 
 
 class Adaptation:
@@ -98,7 +122,22 @@ class Adaptation:
         """Adapt to the next frame, `interval_us` later; the result is ≥ 0."""
         fast = np.float32(share_of_present(interval_us, self._rising_us))
         slow = np.float32(share_of_present(interval_us, self._falling_us))
-        alpha = np.where(signal > self._before, fast, slow)
-        self._low_pass += alpha * (signal - self._low_pass)
+        adapted = np.empty(signal.shape, np.float32)
+        _adapt(
+            signal.ravel(),
+            self._before.ravel(),
+            self._low_pass.ravel(),
+            fast,
+            slow,
+            adapted.ravel(),
+        )
         self._before = signal
-        return np.asarray(np.maximum(signal - self._low_pass, 0.0), np.float32)
+        return adapted
+
+
+@njit(cache=True)
+def _adapt(signal: Any, before: Any, low_pass: Any, fast: Any, slow: Any, adapted: Any) -> None:
+    for k in range(signal.size):
+        alpha = fast if signal[k] > before[k] else slow
+        low_pass[k] += alpha * (signal[k] - low_pass[k])
+        adapted[k] = max(signal[k] - low_pass[k], np.float32(0.0))

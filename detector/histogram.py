@@ -44,23 +44,24 @@ def averaged_histogram(
 def _averaged(tallies: Any, oldest: int, divisor: int, cell_area: float) -> Any:
     hops, _, rows, columns, _ = tallies.shape
     mean = np.zeros((2, rows, columns), np.float32)
-    sums, counts = np.zeros((2, columns)), np.zeros((2, columns))
+    pairs = tallies.reshape(hops, 2, rows, 2 * columns)
+    totals = np.zeros((2, 2 * columns))
     for row in range(rows):
-        sums[:], counts[:] = 0.0, 0.0
+        totals[:] = 0.0
         for n in range(oldest, oldest + hops):
             for q in range(2):
-                here = tallies[n % hops, q, row]
-                for column in range(columns):
-                    sums[q, column] += here[column, 0]
-                    counts[q, column] += here[column, 1]
+                into, here = totals[q], pairs[n % hops, q, row]
+                for k in range(2 * columns):
+                    into[k] += here[k]
         for q in range(2):
             for column in range(columns):
+                total, count = totals[q, 2 * column], totals[q, 2 * column + 1]
                 by = 1.0
                 if divisor == _EVENTS:
-                    by = max(counts[q, column], 1.0)
+                    by = max(count, 1.0)
                 elif divisor == _BOTH:
-                    by = max(counts[0, column] + counts[1, column], 1.0)
+                    by = max(count + totals[1 - q, 2 * column + 1], 1.0)
                 elif divisor == _AREA:
                     by = cell_area
-                mean[q, row, column] = sums[q, column] / by
+                mean[q, row, column] = total / by
     return mean

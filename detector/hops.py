@@ -9,7 +9,7 @@ import numpy as np
 
 from detector.estimate import MotionEstimate
 from detector.stream import check_chunk, check_order, whole_time
-from emulator.events import Events, empty_events
+from emulator.events import Events, empty_events, joined
 
 QUIET_LIMIT_US = 60_000_000
 """How long after the last event hops go on [µs]; as `FlyConfig.quiet_limit_us`."""
@@ -57,7 +57,7 @@ class Hops:
             self._is_fresh = False
             self._skip_quiet(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
-            self._pending.append(events[taken:cut].copy())
+            self._pending.append(joined([events[taken:cut]]))
             self._last_event_us = self._now_us = int(events["t"][cut - 1])
             taken = cut
         return iter(done)
@@ -89,7 +89,7 @@ class Hops:
         last_us = min(t_us, self._last_event_us + QUIET_LIMIT_US)
         while (end_us := (self._hop + 1) * self._hop_us) <= last_us:
             parts = self._pending or [empty_events()]
-            done.append((end_us, parts[0] if len(parts) == 1 else np.concatenate(parts)))
+            done.append((end_us, parts[0] if len(parts) == 1 else joined(parts)))
             self._pending = []
             self._hop += 1
         return done

@@ -231,6 +231,8 @@ class TimeSurfaces:
 
         Correlation is linear in it, so that several delays cost no more than one.
         """
+        if len(self._config.delays_hops) == 1:
+            return self.averaged(hop=hop - self._config.delays_hops[0])
         taps = (np.array(self._config.delays_hops) * -1 + hop) % len(self._surfaces)
         surface: F32 = self._surfaces[taps].mean(axis=0)
         return surface
@@ -286,7 +288,7 @@ def _histogram(
     """
     height = places.size - width
     cells = tallies.shape[2] * tallies.shape[3]
-    flat = tallies[slot].reshape(-1, 2)
+    flat = tallies[slot].reshape(-1)
     wrap = times.size - 1
     now, unit, oldest, pending, newest = clock
     weight = _weight(now - unit, table)
@@ -311,16 +313,22 @@ def _histogram(
         if newest - oldest > wrap:
             taken = -1 - n
             break
-        q = np.int64(event.p)
-        pixel = (q * height + event.y) * width + event.x
-        cell = q * cells + places[width + event.y] + places[event.x]
+        pixel, at = _place(event, width, height, cells, places)
         total = _time_surface(totals, pixel, event.x, event.y, radius, width, height)
-        flat[cell, 0] += total / weight + counts_itself
-        flat[cell, 1] += 1.0
+        flat[at] += total / weight + counts_itself
+        flat[at + 1] += 1.0
         times[newest & wrap], pixels[newest & wrap] = now, pixel
         newest += 1
     clock[:] = now, unit, oldest, pending, newest
     return int(taken)
+
+
+@njit(cache=True, forceinline=True)
+def _place(event: Any, width: int, height: int, cells: int, places: Any) -> Any:
+    """Where the event's total and its cell's pair of tallies lie in memory."""
+    q = np.int64(event.p)
+    cell = q * cells + places[width + event.y] + places[event.x]
+    return (q * height + event.y) * width + event.x, 2 * cell
 
 
 @njit(cache=True, forceinline=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Any, TypeAlias
 
@@ -29,6 +30,24 @@ class Cause(IntEnum):
 def empty_events() -> Events:
     """No events: an array of length 0."""
     return np.empty(0, EVENT_DTYPE)
+
+
+def joined(parts: Sequence[Events]) -> Events:
+    """Parts of a stream in one new array, in their order.
+
+    They are copied as bytes: NumPy copies packed records field by field, 30 times as slowly.
+
+    Args:
+        parts: any number of arrays of `EVENT_DTYPE`.
+
+    Returns:
+        (n,) events that share no memory with the parts.
+    """
+    if not parts:
+        return empty_events()
+    records = [np.ascontiguousarray(part).view(np.uint8) for part in parts]
+    whole: Events = np.concatenate(records).view(EVENT_DTYPE)
+    return whole
 
 
 def check_events(events: Events, *, width: int, height: int) -> None:

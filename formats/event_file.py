@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from emulator import ApsFrame
-from emulator.events import EVENT_DTYPE, Events, empty_events
+from emulator.events import EVENT_DTYPE, Events, empty_events, joined
 from formats.errors import FormatError
 from formats.guard import Guard
 from formats.magic import FORMATS, check_file, format_of
@@ -227,7 +227,7 @@ def read_events(
     """All events of a file at once; for files that fit into memory. Arguments as `open_events`."""
     with open_events(path, format=format, size=size, time_unit=time_unit) as file:
         chunks = [chunk.events for chunk in file]
-    return np.concatenate([empty_events(), *chunks])
+    return joined(chunks)
 
 
 def _frame(content: bytearray) -> ApsFrame:

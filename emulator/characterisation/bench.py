@@ -15,7 +15,7 @@ import numpy.typing as npt
 from emulator.aps import ApsFrame
 from emulator.config import UNLIMITED_HZ, SensorConfig
 from emulator.davis import Davis346
-from emulator.events import Events
+from emulator.events import Events, joined
 from emulator.optics import lux_per_cd_m2
 
 REFLECTANCE = 0.18
@@ -64,7 +64,7 @@ def record(
 
     outputs = list(sensor.stream(noted()))
     return Recording(
-        np.concatenate([output.events for output in outputs]),
+        joined([output.events for output in outputs]),
         np.concatenate([output.causes for output in outputs]),
         tuple(frame for output in outputs for frame in output.aps_frames),
         (config.height, config.width),

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from emulator.events import Events
+from emulator.events import Events, joined
 from formats.errors import FormatError
 from formats.writers.base import EventWriter
 
@@ -57,7 +57,7 @@ class DsecWriter(EventWriter):
     def _flush(self) -> None:
         if not self._buffer:
             return
-        events = np.concatenate(self._buffer)
+        events = joined(self._buffer)
         self._buffer, self._buffered = [], 0
         self._extend_index(events["t"])
         for name, column in self._columns.items():

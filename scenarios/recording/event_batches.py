@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator import Cause, Events
+from emulator.events import joined
 
 BATCH_US = 1_000
 """One row a millisecond: a row an event costs five times the space and the time (measured)."""
@@ -112,7 +113,7 @@ class EventBuffer:
         return self._take(whole=False) if self._count else None
 
     def _take(self, *, whole: bool) -> EventBatches | None:
-        events, causes = np.concatenate(self._events), np.concatenate(self._causes)
+        events, causes = joined(self._events), np.concatenate(self._causes)
         last_us = int(events["t"][-1])
         until = (
             np.searchsorted(events["t"], last_us // BATCH_US * BATCH_US) if whole else events.size

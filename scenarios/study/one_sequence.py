@@ -29,7 +29,7 @@ from scenarios.study.watcher import (
     CHUNK_US,
     CONTRAST_HOP_US,
     Watcher,
-    joined,
+    gathered,
     make_watcher,
     warm_up,
 )
@@ -193,7 +193,7 @@ class Audience:
         if is_first and self._recorder is not None:
             for sample, output in zip(self._samples, outputs, strict=True):
                 self._recorder.log(sample, output)
-        return joined(outputs)
+        return gathered(outputs)
 
     def _take_down(self, watcher: Watcher, said: Sequence[MotionEstimate]) -> None:
         maps = watcher.maps

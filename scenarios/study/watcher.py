@@ -13,7 +13,7 @@ from detector.contrast_maximisation import ContrastConfig, ContrastMaximisation
 from detector.estimate import Detector, MotionEstimate
 from detector.fly import FlyMaps
 from emulator import ApsFrame, Events, SensorOutput
-from emulator.events import EVENT_DTYPE, empty_events
+from emulator.events import EVENT_DTYPE, joined
 from scenarios.methods import CONTRAST, find_method, read
 
 CHUNK_US = 10_000
@@ -26,11 +26,10 @@ _WARM_UP_US = 300_000
 _WARM_UP_PX_S = 400.0
 
 
-def joined(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
+def gathered(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
     """The events and the frames of several steps of a sensor, in their order."""
-    events = [output.events for output in outputs if output.events.size]
     frames = [frame for output in outputs for frame in output.aps_frames]
-    return np.concatenate(events) if events else empty_events(), frames
+    return joined([output.events for output in outputs]), frames
 
 
 @dataclass

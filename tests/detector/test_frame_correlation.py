@@ -3,6 +3,7 @@ import pytest
 
 from detector.frame_correlation import (
     block_signal_to_noise,
+    block_sums,
     delayed,
     opponent_motion,
     smoothed,
@@ -79,5 +80,13 @@ def test_signal_to_noise_is_one_for_a_single_block_and_more_where_blocks_agree()
     motion = np.zeros((2, 20, 20), np.float32)
     motion[0, 3, 3] = 7.0
     motion[1, ::5, ::5] = 2.0
-    assert block_signal_to_noise(motion, side=5) == pytest.approx((1.0, 4.0))
-    assert block_signal_to_noise(np.zeros((2, 7, 7), np.float32), side=5) == (0.0, 0.0)
+    assert block_signal_to_noise(block_sums(motion, side=5)) == pytest.approx((1.0, 4.0))
+    assert block_signal_to_noise(np.zeros((2, 2, 2))) == (0.0, 0.0)
+
+
+def test_blocks_at_the_edge_are_what_is_left() -> None:
+    motion = np.random.default_rng(0).random((3, 7, 12)).astype(np.float32)
+    sums = block_sums(motion, side=5)
+    assert sums.shape == (3, 2, 3)
+    expected = [[m[a : a + 5, b : b + 5].sum() for b in (0, 5, 10)] for m in motion for a in (0, 5)]
+    np.testing.assert_allclose(sums.reshape(6, 3), expected, rtol=1e-6)

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
-from detector.warped_events import SUPPRESSION, Reward, rewards, warped_image
+from detector.warped_events import Reward, WarpedEvents, centred_points
+from detector.warped_image import SUPPRESSION
+from emulator.events import EVENT_DTYPE
 
 F32 = np.float32
 
@@ -11,6 +13,23 @@ def scattered(number: int = 200, seed: int = 0) -> np.ndarray:
     return np.stack(
         [rng.integers(0, 30, number), rng.integers(0, 20, number), rng.uniform(-0.02, 0.02, number)]
     ).astype(F32)
+
+
+def rewards(
+    points: np.ndarray,
+    velocities: np.ndarray,
+    *,
+    scale_px: float = 1.0,
+    reward: Reward = Reward.GRADIENT,
+    area_px: float = 90_000.0,
+) -> np.ndarray:
+    return WarpedEvents(points, reward=reward, area_px=area_px).rewards(velocities, scale_px)
+
+
+def warped_image(
+    points: np.ndarray, velocity: tuple[float, float], *, scale_px: float = 1.0
+) -> np.ndarray:
+    return WarpedEvents(points, reward=Reward.GRADIENT, area_px=1.0).image(velocity, scale_px)
 
 
 def plainly(points: np.ndarray, velocity: tuple[float, float]) -> np.ndarray:
@@ -88,3 +107,39 @@ def test_no_events_are_worth_nothing() -> None:
     assert not rewards(
         none, np.zeros((2, 2)), scale_px=1.0, reward=Reward.VARIANCE, area_px=10.0
     ).any()
+
+
+@pytest.mark.parametrize("reward", Reward)
+def test_candidates_leave_nothing_behind(reward: Reward) -> None:
+    velocities = np.array([(900.0, -1400.0), (0.0, 0.0), (130.0, -70.0)])
+    warped = WarpedEvents(scattered(), reward=reward, area_px=6400.0)
+    together = warped.rewards(velocities, 1.0)
+    warped.image((-37.0, 3.0))
+    alone = [float(warped.rewards(v[None], 1.0)[0]) for v in velocities]
+    assert together.tolist() == alone
+
+
+def test_the_order_of_the_events_does_not_matter() -> None:
+    points, velocities = scattered(), np.array([(900.0, -1400.0), (130.0, -70.0)])
+    in_time = points[:, np.argsort(points[2])]
+    np.testing.assert_allclose(rewards(in_time, velocities), rewards(points, velocities), rtol=1e-5)
+
+
+def test_by_chance_is_with_the_times_exchanged() -> None:
+    points, velocity = scattered(), (130.0, -70.0)
+    orders = np.random.default_rng(1).permuted(np.tile(np.arange(200), (3, 1)), axis=1)
+    exchanged = [np.stack([points[0], points[1], points[2, order]]) for order in orders]
+    warped = WarpedEvents(points, reward=Reward.GRADIENT, area_px=90_000.0)
+    found = warped.rewards_by_chance(velocity, 1.0, orders.astype(np.int32))
+    expected = [float(rewards(p, np.array([velocity]))[0]) for p in exchanged]
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_points_are_centred_in_time_and_thinned_evenly() -> None:
+    events = np.zeros(5, EVENT_DTYPE)
+    events["t"], events["x"], events["y"] = np.arange(5) * 1000, np.arange(5), 7
+    points = centred_points(events, most=3, middle_us=2000.0)
+    expected = np.array([[0.0, 1.0, 3.0], [7.0, 7.0, 7.0], [-0.002, -0.001, 0.001]])
+    np.testing.assert_allclose(points, expected, rtol=1e-6)
+    assert points.dtype == np.float32
+    assert centred_points(events, most=9, middle_us=0.0)[0].tolist() == [0, 1, 2, 3, 4]

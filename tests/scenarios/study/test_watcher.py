@@ -5,7 +5,7 @@ from detector.errors import DetectorConfigError
 from emulator import ApsFrame, SensorOutput
 from emulator.events import EVENT_DTYPE
 from scenarios.methods import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, MethodError
-from scenarios.study.watcher import joined, make_watcher, warm_up
+from scenarios.study.watcher import gathered, make_watcher, warm_up
 
 SIZE = {"width": 60, "height": 48}
 
@@ -16,10 +16,10 @@ def test_steps_are_joined_in_their_order() -> None:
     frame = ApsFrame(0, 7, np.zeros((48, 60), np.uint16))
     none = np.empty(0, np.uint8)
     parts = ((events[:2], (frame,)), (events[:0], ()), (events[2:], ()))
-    together, frames = joined([SensorOutput(part, none, shots) for part, shots in parts])
+    together, frames = gathered([SensorOutput(part, none, shots) for part, shots in parts])
     np.testing.assert_array_equal(together, events)
     assert frames == [frame]
-    assert joined([])[0].dtype == EVENT_DTYPE
+    assert gathered([])[0].dtype == EVENT_DTYPE
 
 
 @pytest.mark.parametrize("method", [FLY, FRAME_FLY, CONTRAST, PLANE_FIT])
