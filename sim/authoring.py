@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 ASSETS = Path(__file__).parent / "assets"
 SEED = 1
+"""Of all that is random in textures and meshes (any number does)."""
 Image = npt.NDArray[np.float64]
 
 

@@ -41,6 +41,7 @@ class LightCache:
         limit_bytes: how much they may take together, those not counted that are being written.
         found: how many samples were read so far.
         drawn: how many were drawn.
+        keeps: whether what was drawn last was kept, too.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class LightCache:
             )
         self.folder, self.limit_bytes = folder, limit_bytes
         self.found = self.drawn = 0
+        self.keeps = False
         self._warn, self._warned, self._writes = warn, False, True
 
     def light(
@@ -135,6 +137,7 @@ class LightCache:
                 if part is not None:
                     write = partial(part.writer.write, light)
                     part = self._append(part, write, last=number == count)
+                self.keeps = part is not None or (self.keeps and number == count)
                 yield light
         finally:
             if part is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -76,6 +77,14 @@ class Pose:
         cosine, sine = math.cos(angle_rad), math.sin(angle_rad)
         right = cosine * self.right - sine * self.up
         return Pose(self.position_m, right, cosine * self.up + sine * self.right)
+
+
+class Eye(NamedTuple):
+    """The camera's geometry [pixels]."""
+
+    focal: float
+    centre_x: float
+    centre_y: float
 
 
 def project(points_m: Vectors, pose: Pose, intrinsics: Intrinsics) -> tuple[Vectors, Vectors]:

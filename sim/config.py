@@ -128,7 +128,8 @@ class CrossingConfig:
 
 
 WALKER_DISTANCE_M = 4.0
-"""At this distance from the target, a camera is over a metre from who walks on its pavement."""
+"""At this distance from the target, a camera is over a metre from who walks on its pavement
+(assumed: a metre is enough)."""
 
 _MEMBERS: dict[str, Any] = {
     "lighting": Lighting,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -18,11 +18,13 @@ from sim.config import CrossingConfig, Direction
 from sim.errors import SceneConfigError
 from sim.light_file import Light
 from sim.light_key import light_key
+from sim.luminance_model import luminance_model
 from sim.mains import Mains
 from sim.memory import give_back_large
 from sim.moving_light import LightReach
-from sim.renderer import FilamentRenderer, Luminance, luminance_model
-from sim.reprojection import Drawn, Reprojection, rest_lens
+from sim.renderer import FilamentRenderer, Luminance
+from sim.reprojection import Drawn, Reprojection
+from sim.rest_lens import rest_lens
 from sim.sampling import sample_times_us
 from sim.scene import Scene, build_scene
 from sim.scene_geometry import RATE_STEP_S
@@ -144,7 +146,27 @@ class Crossing:
             truth = witness.at(light.t_us, self.seconds(light.t_us), light.body)
             yield Sample(light.t_us, light.luminance, truth, light.changed)
 
-    def _kept_light(self, times_us: Sequence[int]) -> Iterator[Light]:
+    def draw_ahead(self) -> Iterator[int]:
+        """Draw into the cache what `samples` will read, before anything else takes memory.
+
+        Where all is kept already, or nothing can be, it ends at once.
+
+        Yields:
+            Times of what is drawn, in order [µs].
+
+        Raises:
+            RendererError: this machine cannot render.
+        """
+        if self.cache is None:
+            return
+        known = self.cache.drawn
+        with closing(self._kept_light(self.times_us())) as lights:
+            for light in lights:
+                if self.cache.drawn == known or not self.cache.keeps:
+                    return
+                yield light.t_us
+
+    def _kept_light(self, times_us: Sequence[int]) -> LightStream:
         """From the cache where there is one."""
         if self.cache is None:
             return self._light(times_us)

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.aperture import REACH_PX
 from sim.crossing import Crossing
 from sim.errors import SimError
@@ -144,7 +144,7 @@ class _Past:
         return _ask(columns, rows, flows, since_us, *past)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _note(
     t_us: int,
     object_of: I8,
@@ -168,7 +168,7 @@ def _note(
             last_flow[row, column, 1] = flows[row, column, 1]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _ask(
     columns: I16,
     rows: I16,

@@ -21,9 +21,11 @@ LIT_CD_M2 = {"warm": 25.0, "bright": 60.0, "dim": 6.0}
 """Luminance of lit windows, seen through curtains or not (assumed; a wall in a room lit to 150 lux
 has some 25 cd/m²)."""
 LIT_RGB = {"warm": (1.0, 0.72, 0.4), "bright": (1.0, 0.9, 0.75), "dim": (0.7, 0.8, 1.0)}
+"""Linear colours of their light (by eye)."""
 LIT_WINDOW = "mains_window_"
 """How the names of lit windows' materials begin."""
 GLASS_RGB = (0.03, 0.035, 0.04)
+"""Linear colour of a dark window: what little a pane gives back (assumed)."""
 WALLS = (
     ("plaster", 0.4, (0.45, 0.47, 0.5)),
     ("brick", 0.6, (0.42, 0.2, 0.14)),
@@ -36,7 +38,9 @@ WALLS = (
 )
 """Texture, its repeats per two metres, and linear colour (by eye)."""
 DOORS = ((0.06, 0.16, 0.1), (0.25, 0.05, 0.04), (0.06, 0.08, 0.18), (0.12, 0.07, 0.04))
+"""Linear colours of doors (by eye)."""
 SIGNS = ((0.05, 0.12, 0.4), (0.4, 0.06, 0.05), (0.05, 0.25, 0.12))
+"""Linear colours of shop signs (by eye)."""
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.camera import Intrinsics
 from sim.moves import followed_by, undone
 from sim.visible import Visible
@@ -92,7 +92,7 @@ def _eye(lens: Intrinsics) -> tuple[float, float, float]:
     return lens.focal_px, lens.width / 2, lens.height / 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _applied(moves: F64, k: int, x: float, y: float, near: float) -> tuple[float, float, float]:
     """Matrix `k` applied to the place (x, y, 1) / near, times near."""
     return (
@@ -102,7 +102,7 @@ def _applied(moves: F64, k: int, x: float, y: float, near: float) -> tuple[float
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _over_image(
     body: I32,
     nearness: F32,

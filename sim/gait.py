@@ -25,7 +25,7 @@ KNEE_REST_RAD, KNEE_SWING_RAD = math.radians(4), math.radians(56)
 ANKLE_SHARE = 0.85
 """How much of the leg's tilt an ankle takes back, so that the sole stays near level (assumed)."""
 SHIN_M = 0.46
-"""From knee to sole."""
+"""From knee to sole, likewise."""
 ARM_SHARE = 0.7
 """A shoulder's swing over a hip's (assumed)."""
 ELBOW_RAD, ELBOW_SWING_RAD = math.radians(22), math.radians(10)

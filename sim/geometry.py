@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+import cv2
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -87,8 +89,10 @@ def body_meshes(model: mujoco.MjModel) -> list[BodyMesh]:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     rigid = model.body_weldid[model.geom_bodyid]
+    texels = [_mean_texel(model, k) for k in range(model.ntex)]
     return [
-        _merged(model, data, int(body), np.flatnonzero(rigid == body)) for body in np.unique(rigid)
+        _merged(model, data, int(body), np.flatnonzero(rigid == body), texels)
+        for body in np.unique(rigid)
     ]
 
 
@@ -98,11 +102,16 @@ def srgb(linear: npt.ArrayLike) -> npt.NDArray[np.uint8]:
 
 
 def _merged(
-    model: mujoco.MjModel, data: mujoco.MjData, body: int, geoms: npt.NDArray[np.int64]
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    body: int,
+    geoms: npt.NDArray[np.int64],
+    texels: list[F64],
 ) -> BodyMesh:
+    """One body's geoms; `texels` are the means of all textures."""
     visible = [int(k) for k in geoms if model.geom_rgba[k, 3] > 0]
     soups = [geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
-    colours = [srgb(_linear_colour(model, k)) for k in visible]
+    colours = [srgb(_linear_colour(model, k, texels)) for k in visible]
     counts = [3 * len(soup) for soup in soups[: len(visible)]]
     triangles = (np.concatenate(soups) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
     return BodyMesh(
@@ -113,19 +122,19 @@ def _merged(
     )
 
 
-def _linear_colour(model: mujoco.MjModel, geom: int) -> F64:
+def _linear_colour(model: mujoco.MjModel, geom: int, texels: list[F64]) -> F64:
     material = int(model.geom_matid[geom])
     if material < 0:
         return np.array(model.geom_rgba[geom, :3], np.float64)
     colour = np.array(model.mat_rgba[material, :3], np.float64)
     texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
-    return colour * _mean_texel(model, texture) if texture >= 0 else colour
+    return colour * texels[texture] if texture >= 0 else colour
 
 
 def _mean_texel(model: mujoco.MjModel, texture: int) -> F64:
-    channels = int(model.tex_nchannel[texture])
+    """Mean of a texture's first three channels, or of its only one, 0 to 1."""
+    shape = [int(n[texture]) for n in (model.tex_height, model.tex_width, model.tex_nchannel)]
     start = int(model.tex_adr[texture])
-    count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * channels
-    texels = model.tex_data[start : start + count].reshape(-1, channels)
-    mean: F64 = texels[:, :3].mean(axis=0) / 255
-    return mean
+    texels = model.tex_data[start : start + math.prod(shape)].reshape(shape)
+    sums = np.array(cv2.sumElems(texels)[: min(shape[2], 3)])
+    return sums / (shape[0] * shape[1]) / 255

@@ -12,11 +12,12 @@ import numpy.typing as npt
 
 from sim.keyframes import Keyframe, Piece, cut_pieces
 from sim.mains import Mains, changed_lights, sky_lights
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.objects import MovingObject
 from sim.outlines import Outlines, turning_bodies
 from sim.raster import NOTHING
 from sim.renderer import FilamentRenderer
+from sim.shading import shading_geoms
 from sim.windows import Window
 
 F32 = npt.NDArray[np.float32]
@@ -48,6 +49,7 @@ class KeyframeDrawing:
         mains: Mains | None,
         street_nearness: F32,
         blur_px: float,
+        per_pixel: int,
     ) -> None:
         """Take what is to be drawn.
 
@@ -56,16 +58,20 @@ class KeyframeDrawing:
             model: its lights are changed, and put back.
             data: poses of the model.
             place: moves `data` to a time [µs].
-            outlines: of all that moves.
+            outlines: of all that moves, as fine as it is to be drawn.
             objects: likewise.
             mains: what flickers, or nothing.
-            street_nearness: as in `compose.Street`.
+            street_nearness: at the same fine points, float32 [1/m].
             blur_px: deviation of the lens's point spread [px].
+            per_pixel: grid points that are kept per pixel and axis.
         """
         self._renderer, self._model, self._data, self._place = renderer, model, data, place
         self.outlines, self._objects, self._mains = outlines, objects, mains
         self._street_nearness, self._blur_px = street_nearness, blur_px
+        self._per_pixel = per_pixel
         self._sky = sky_lights(model)
+        moving = np.concatenate([obj.geoms for obj in objects])
+        self._still = np.setdiff1d(np.arange(model.ngeom), moving)
 
     def draw(self, obj: MovingObject, t_us: int) -> Keyframe:
         """An object at a time."""
@@ -76,7 +82,7 @@ class KeyframeDrawing:
         if window is None:
             return Keyframe(t_us, {})
         label, lit = self._uncovered(obj, flat, part, window)
-        into = followed_by(poses, into_camera(self.outlines.pose))
+        into = followed_by(poses, self.outlines.pose.into)
         views = {k: into[self.outlines.parts.body[k]] for k in self.outlines.of(obj)}
         key = Keyframe(t_us, self._cut(lit, label, views, window))
         wheels = turning_bodies(obj) if self._sky.size else []
@@ -109,7 +115,7 @@ class KeyframeDrawing:
         Their shadows are then missing there, too.
         """
         label, _ = self.outlines.points(flat, part, window, self._street_nearness)
-        lit = self._lit(window)
+        lit = self._lit(obj, window)
         mine = self.outlines.of(obj)
         if np.isin(label, [NOTHING, *mine]).all():
             return label, lit
@@ -119,7 +125,7 @@ class KeyframeDrawing:
             inner = self._around(covered, window)
             box = self._within(inner, window)
             with self._renderer.hidden(self._geoms_but(obj.bodies)):
-                bare = self._lit(inner)
+                bare = self._lit(obj, inner)
             lit[:, *box] = np.where(covered[box], bare, lit[:, *box])
         return alone, lit
 
@@ -146,23 +152,29 @@ class KeyframeDrawing:
     def _cut(
         self, fine: F32, label: I32, views: dict[int, F64], window: Window
     ) -> dict[int, Piece]:
-        return cut_pieces(fine, label, views, window[:2], self.outlines.size, self._blur_px)
+        size, blur_px = self.outlines.size, self._blur_px
+        return cut_pieces(fine, label, views, window[:2], size, blur_px, per_pixel=self._per_pixel)
 
-    def _lit(self, window: Window) -> F32:
-        """(parts, rows, columns) luminance: the steady part, and what the mains' lamps add."""
-        fine = self._fine(window)
-        if self._mains is None:
-            return fine[None]
-        with self._mains.scaled(self._model, 0.0):
-            steady = self._fine(window)
+    def _lit(self, obj: MovingObject, window: Window) -> F32:
+        """(parts, rows, columns) luminance: the steady part, and what the mains' lamps add.
+
+        Of what never moves, only that is there which may shade the object.
+        """
+        shading = shading_geoms(self._model, self._data, self._still, obj.corners_m(self._data))
+        with self._renderer.hidden(np.setdiff1d(self._still, shading)):
+            fine = self._fine(window)
+            if self._mains is None:
+                return fine[None]
+            with self._mains.scaled(self._model, 0.0):
+                steady = self._fine(window)
         return np.stack([steady, fine - steady])
 
     def _albedo(self, window: Window, bodies: list[int]) -> F32:
-        """(1, rows, columns) what bodies return of an even sky's light, no mover before them."""
+        """(1, rows, columns) what bodies return of an even sky's light, nothing before them."""
         lights: dict[int, float] = dict.fromkeys(range(self._model.nlight), 0.0)
         lights |= {int(k): 1.0 for k in self._sky}
-        hidden = self._renderer.hidden(self._geoms_but(bodies))
-        with changed_lights(self._model, lights), hidden:
+        others = [*self._geoms_but(bodies), *self._still]
+        with changed_lights(self._model, lights), self._renderer.hidden(others):
             return self._fine(window, shadows=False)[None]
 
     def _fine(self, window: Window, *, shadows: bool = True) -> F32:

@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.aperture import on_grid
-from sim.compose import Surfaces
 from sim.moves import followed_by, undone
 from sim.objects import MovingObject
+from sim.surface_light import Surfaces
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -196,6 +196,8 @@ def cut_pieces(
     corner_px: tuple[int, int],
     supersample: int,
     blur_px: float,
+    *,
+    per_pixel: int,
 ) -> dict[int, Piece]:
     """Cut a drawn window into bodies, each seen through the pixels' aperture.
 
@@ -204,14 +206,15 @@ def cut_pieces(
         label: (rows, columns) which body each shows.
         views: by the body's number, from its frame to the camera's.
         corner_px: column and row of the window's first pixel.
-        supersample: fine points per pixel and axis; as many are kept.
+        supersample: fine points per pixel and axis.
         blur_px: deviation of the lens's point spread [px].
+        per_pixel: grid points that are kept per pixel and axis; it divides `supersample`.
     """
 
     def through_aperture(points: F32) -> F32:
-        return on_grid(points, supersample, per_pixel=supersample, blur_px=blur_px)
+        return on_grid(points, supersample, per_pixel=per_pixel, blur_px=blur_px)
 
-    pieces = {}
+    stride, pieces = supersample // per_pixel, {}
     for body, view in views.items():
         rows, columns = np.nonzero(label == body)
         if not rows.size:
@@ -223,8 +226,8 @@ def cut_pieces(
         box = slice(first[0], last[0]), slice(first[1], last[1])
         mask = (label[box] == body).astype(np.float32)
         pieces[body] = Piece(
-            x0=corner_px[0] * supersample + int(first[1]),
-            y0=corner_px[1] * supersample + int(first[0]),
+            x0=corner_px[0] * per_pixel + int(first[1]) // stride,
+            y0=corner_px[1] * per_pixel + int(first[0]) // stride,
             light=np.stack([through_aperture(mask * part[box]) for part in fine]),
             cover=through_aperture(mask),
             view=view,

@@ -37,18 +37,20 @@ SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
 """Luminance of the lenses as seen from the side (assumed)."""
 OFF_EMISSION = 1e-12
-"""Of what does not glow, where the renderer takes 0 as none given."""
+"""Of what does not glow, where the renderer takes 0 as none given (assumed: far below all that
+glows)."""
 TAIL_LAMP_RGB = (1.0, 0.1, 0.05)
-"""Linear colour of the tail lamps' emissive texture."""
+"""Linear colour of the tail lamps' emissive texture (by eye)."""
 
 EMISSION_CD_M2 = 0.3 / 2.604e-5
 """Luminance of a material of emission 1: Filament's multiplier over its exposure (measured)."""
 
 SKY_TEXTURE = "sky"
+"""Name of the sky's texture."""
 LAMP_LENS = "mains_lamp_lens"
 """Material of the street lamps' lenses; the names of all that is on the mains begin alike."""
 DUSK_LAMPS_LUX = 10.0
-"""What the street lamps add to the sky's light at dusk: as at night."""
+"""What the street lamps add to the sky's light at dusk: as at night (assumed)."""
 LUMINANCE_OF_RGB = np.array([0.2126, 0.7152, 0.0722])
 """Of linear primaries (Rec. 709)."""
 WHITE = (1.0, 1.0, 1.0)

@@ -7,6 +7,7 @@ but by itself raises its idea of what is large to 32 MB as it goes, and so keeps
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 
 LARGE_BYTES = 4 * 1024**2
 """More than an array that is made for every sample, and less than most that are made for a
@@ -23,9 +24,25 @@ def give_back_large() -> bool:
     Returns:
         Whether the C library knows how; elsewhere than with glibc, all stays as it is.
     """
-    try:
-        mallopt = ctypes.CDLL(None).mallopt
-    except (OSError, TypeError, AttributeError):
+    mallopt = _of_glibc("mallopt")
+    if mallopt is None:
         return False
     set_ = mallopt(_MMAP_THRESHOLD, LARGE_BYTES), mallopt(_TRIM_THRESHOLD, SPARE_BYTES)
     return all(set_)
+
+
+def give_back() -> None:
+    """Have small blocks that are free go back to the system too, now; elsewhere do nothing.
+
+    A renderer that is closed leaves some 100 MB of them between others (measured).
+    """
+    if trim := _of_glibc("malloc_trim"):
+        trim(0)
+
+
+def _of_glibc(name: str) -> Callable[..., int] | None:
+    try:
+        function: Callable[..., int] = getattr(ctypes.CDLL(None), name)
+    except (OSError, TypeError, AttributeError):
+        return None
+    return function

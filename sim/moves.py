@@ -7,14 +7,13 @@ import math
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from sim.camera import Pose
+from sim._compile import compiled, inlined
 
 F64 = npt.NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def axes_along(direction: F64) -> F64:
     """(3, 3) rows right, down and forward of a frame that looks along a unit vector."""
     x, y, z = direction[0], direction[1], direction[2]
@@ -27,14 +26,19 @@ def axes_along(direction: F64) -> F64:
     return np.array([[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a], [x, y, z]])
 
 
+@inlined
+def moved_point(moves: F64, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A point after move `k` of (n, 3, 4)."""
+    return (
+        moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] * z + moves[k, 0, 3],
+        moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] * z + moves[k, 1, 3],
+        moves[k, 2, 0] * x + moves[k, 2, 1] * y + moves[k, 2, 2] * z + moves[k, 2, 3],
+    )
+
+
 def into_frame(axes: F64, place_m: F64) -> F64:
     """(3, 4) from the world into the frame at `place_m` whose axes are the rows of `axes`."""
     return np.column_stack([axes, -axes @ place_m])
-
-
-def into_camera(pose: Pose) -> F64:
-    """(3, 4) from the world into a camera's frame: right, down, forward."""
-    return pose.into
 
 
 def body_poses(data: mujoco.MjData) -> F64:

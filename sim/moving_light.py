@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from sim.camera import Intrinsics, Pose
-from sim.compose import MOST_SHADOWS, Lights
 from sim.errors import SceneConfigError
-from sim.moves import followed_by, into_camera, undone
+from sim.moves import followed_by, undone
 from sim.objects import MovingObject
+from sim.pixel_codes import MOST_SHADOWS
 from sim.renderer import NO_SHADOW_GROUP
 from sim.shadow_maps import MAP_SIDE, Lamp, ShadowMap, draw_shadow_map, shadowing_lamps
 from sim.triangles import Soup
 from sim.windows import Window, beam_window, shadow_window
 
+F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 LEAST_COSINE_STEP = 1 / 1024
 """The renderer's limit to how sharply a beam may end, as Filament's spot lights have it."""
@@ -88,6 +91,36 @@ class LightReach:
         return beam_window(place, direction, angle, self.pose, self._lens)
 
 
+class Lights(NamedTuple):
+    """The lights at a sample's time, in the camera's frame: right, down, forward [m].
+
+    Attributes:
+        gains: (1 + lights,) float64, what each part of the street is multiplied by.
+        maps: (shadows, rows, columns) float32, how near to its light a mover is; one map for
+            each pair of light and mover.
+        sizes: (shadows, 2) int64, rows and columns of each map that are in use.
+        views: (shadows, 3, 4) float64, from the camera's frame to the map's columns, rows and
+            nearness; homogeneous for a lamp.
+        light: (shadows,) int64, which light is shadowed.
+        parallel: (shadows,) bool, whether that is the sun.
+        reach: (shadows, 4) int64, x0, y0, x1, y1 of what each can darken [px].
+        beams: (n, 9) float64: place, direction, candela, and scale and offset of the cone's edge.
+        beam_reach: (n, 4) int64, x0, y0, x1, y1 of what each can light [px].
+        beam_range_m: where the beams end.
+    """
+
+    gains: F64
+    maps: F32
+    sizes: Numbers
+    views: F64
+    light: Numbers
+    parallel: Bools
+    reach: Numbers
+    beams: F64
+    beam_reach: Numbers
+    beam_range_m: float
+
+
 class MovingLight:
     """Shadows and beams, ready to compose."""
 
@@ -132,7 +165,7 @@ class MovingLight:
             )
             if made:
                 drawn.append((k, made, window))
-        to_world = undone(into_camera(self._reach.pose))
+        to_world = undone(self._reach.pose.into)
         views = [followed_by(to_world, made.view) for _, made, _ in drawn]
         ranges = [float(self._model.light_range[k]) for k, _ in reach.beams]
         return Lights(
@@ -149,8 +182,8 @@ class MovingLight:
         )
 
     def _beam(self, data: mujoco.MjData, light: int) -> F64:
-        """(9,) a row of `compose.Lights.beams`."""
-        into = into_camera(self._reach.pose)
+        """(9,) a row of `Lights.beams`."""
+        into = self._reach.pose.into
         outer = math.radians(self._model.light_cutoff[light])
         inner = outer * (1 - self._model.light_softness[light])
         scale = 1 / max(math.cos(inner) - math.cos(outer), LEAST_COSINE_STEP)

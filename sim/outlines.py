@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from sim.camera import Intrinsics, Pose
 from sim.light import OFF_EMISSION
-from sim.moves import followed_by, into_camera
+from sim.moves import followed_by
 from sim.objects import PEDESTRIAN, TREE, MovingObject
 from sim.raster import NOTHING, bounds, perspective, rasterise
 from sim.renderer import NEAR_M
@@ -100,7 +100,7 @@ class Outlines:
         Args:
             poses: (bodies, 3, 4) from each body's frame into the world.
         """
-        seen = self.movers.moved(followed_by(poses, into_camera(self.pose)))
+        seen = self.movers.moved(followed_by(poses, self.pose.into))
         middle = self.lens.width * self.size / 2, self.lens.height * self.size / 2
         flat, source = perspective(seen, self.lens.focal_px * self.size, *middle, NEAR_M)
         return flat, self._part[source]

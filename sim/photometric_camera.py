@@ -21,9 +21,10 @@ import numpy.typing as npt
 from sim import flow
 from sim.camera import Pose
 from sim.errors import RendererError, SceneConfigError
+from sim.luminance_model import luminance_model
 from sim.model_camera import camera_intrinsics, camera_number
 from sim.moves import body_poses, followed_by
-from sim.renderer import FilamentRenderer, Luminance, luminance_model
+from sim.renderer import FilamentRenderer, Luminance
 from sim.scene_geometry import RATE_STEP_S
 from sim.triangles import Soup, triangle_soup
 from sim.visible import Visible, look

@@ -22,8 +22,10 @@ from sim.scene import Scene
 PREVIEW_LUX = 60_000.0
 """What the preview's eye is adapted to (by eye)."""
 PREVIEW_SKY_RGB = (170, 205, 255)
+"""Of a sky that the picture shows blue (by eye)."""
 PREVIEW_SCALE = 1.5
-"""Points per sensor pixel and axis: 519×390, about what a quarter of a wide screen shows."""
+"""Points per sensor pixel and axis: 519×390, about what a quarter of a wide screen shows
+(assumed)."""
 JPEG_QUALITY = 85
 """Of a picture that is for the eye only (by eye)."""
 _LENGTH = struct.Struct("<I")
@@ -62,7 +64,7 @@ def preview_model(scene: Scene) -> mujoco.MjModel:
     model = copy.copy(scene.model)
     gain = PREVIEW_LUX / scene.config.illuminance
     model.light_intensity[:] *= gain
-    model.mat_emission[:] *= gain**0.25  # lamps in full would lose their hue
+    model.mat_emission[:] *= gain**0.25  # by eye: lamps in full would lose their hue
     windows = [k for k in range(model.nmat) if model.mat(k).name.startswith(LIT_WINDOW)]
     model.mat_emission[windows] *= gain**0.6
     sky = int(model.tex_adr[model.texture(SKY_TEXTURE).id])

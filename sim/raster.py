@@ -10,7 +10,9 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from sim._compile import compiled
+from sim.scanlines import crossings, from_top, slopes
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -26,7 +28,7 @@ def empty_buffer(height: int, width: int) -> tuple[F32, I32]:
     return np.zeros((height, width), np.float32), np.full((height, width), NOTHING, np.int32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def perspective(
     corners: F64, focal: float, centre_x: float, centre_y: float, near: float
 ) -> tuple[F64, I32]:
@@ -70,7 +72,7 @@ def perspective(
     return out[:count], source[:count]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
     """Cut triangle `t` off at the near plane; the number of corners written to `clipped`."""
     size = 0
@@ -90,61 +92,7 @@ def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
     return size
 
 
-Six = tuple[float, float, float, float, float, float]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _from_top(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> Six:
-    """A triangle's corners from top to bottom.
-
-    Two triangles that share an edge so reckon it alike; else cracks would open between them.
-    """
-    if by < ay:
-        ax, ay, bx, by = bx, by, ax, ay
-    if cy < ay:
-        ax, ay, cx, cy = cx, cy, ax, ay
-    if cy < by:
-        bx, by, cx, cy = cx, cy, bx, by
-    return ax, ay, bx, by, cx, cy
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _slopes(
-    ax: float, ay: float, bx: float, by: float, cx: float, cy: float
-) -> tuple[float, float, float]:
-    """Columns a row of the edges from top to bottom, from top to middle, from there to bottom."""
-    return (cx - ax) / (cy - ay), (bx - ax) / (by - ay), (cx - bx) / (cy - by)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _crossings(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    whole: float,
-    upper: float,
-    lower: float,
-    y: float,
-) -> tuple[float, float]:
-    """Where a row enters a triangle and leaves it.
-
-    Args:
-        ax: of its topmost corner.
-        ay: likewise.
-        bx: of its middle one.
-        by: likewise.
-        whole: as `_slopes` has them, and so the next two.
-        upper: likewise.
-        lower: likewise.
-        y: of the row, between the topmost corner and the lowest.
-    """
-    one = ax + (y - ay) * whole
-    other = ax + (y - ay) * upper if y < by else bx + (y - by) * lower
-    return min(one, other), max(one, other)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def rasterise(
     triangles: F64, labels: I32, x0: int, y0: int, nearness: F32, label: I32, one_sided: bool
 ) -> None:
@@ -178,11 +126,11 @@ def rasterise(
         slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
         slope_y = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area
         what, start_x, start_y = labels[t], ax, ay
-        ax, ay, bx, by, cx, cy = _from_top(ax, ay, bx, by, cx, cy)
-        whole, upper, lower = _slopes(ax, ay, bx, by, cx, cy)
+        ax, ay, bx, by, cx, cy = from_top(ax, ay, bx, by, cx, cy)
+        whole, upper, lower = slopes(ax, ay, bx, by, cx, cy)
         for row in range(first, last):
             y = row + y0 + 0.5
-            low, high = _crossings(ax, ay, bx, by, whole, upper, lower, y)
+            low, high = crossings(ax, ay, bx, by, whole, upper, lower, y)
             start = max(math.ceil(low - 0.5 - x0), 0)
             stop = min(math.ceil(high - 0.5 - x0), width)
             near = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
@@ -193,7 +141,7 @@ def rasterise(
                 near += slope_x
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: Bools) -> int:
     """Mark the grid points inside of triangles that face the eye, in place.
 
@@ -222,11 +170,11 @@ def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: B
         last = min(math.ceil((max(ay, by, cy) - y0) / stride), height)
         if first >= last:
             continue
-        ax, ay, bx, by, cx, cy = _from_top(ax, ay, bx, by, cx, cy)
-        whole, upper, lower = _slopes(ax, ay, bx, by, cx, cy)
+        ax, ay, bx, by, cx, cy = from_top(ax, ay, bx, by, cx, cy)
+        whole, upper, lower = slopes(ax, ay, bx, by, cx, cy)
         for row in range(first, last):
             y = y0 + row * stride
-            low, high = _crossings(ax, ay, bx, by, whole, upper, lower, y)
+            low, high = crossings(ax, ay, bx, by, whole, upper, lower, y)
             start = max(math.ceil((low - x0) / stride), 0)
             for column in range(start, min(math.ceil((high - x0) / stride), width)):
                 count += not covered[row, column]
@@ -234,7 +182,7 @@ def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: B
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def transform(triangles: F64, body: I32, moves: F64) -> F64:
     """Move triangles, each with its body.
 
@@ -261,7 +209,7 @@ def transform(triangles: F64, body: I32, moves: F64) -> F64:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def bounds(triangles: F64, labels: I32, count: int) -> F64:
     """What each label's triangles span.
 

@@ -1,15 +1,13 @@
 """The photometric camera: MuJoCo's Filament renderer read in cd/m².
 
-Filament writes linear float32 of luminance × exposure in the red channel, so `luminance_model`
-first turns every colour into its luminance. Where only part of the image can have changed, a
-window of it is drawn through the whole image's frustum, so that nothing else moves.
+Filament writes linear float32 of luminance × exposure in the red channel; what it draws is a
+`sim.luminance_model`, whose colours are their luminance. Where only part of the image can have
+changed, a window of it is drawn through the whole image's frustum, so that nothing else moves.
 """
 
 from __future__ import annotations
 
-import copy
 import os
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -20,12 +18,13 @@ import numpy as np
 import numpy.typing as npt
 from mujoco import mjrf
 
-from sim import srgb
 from sim.aperture import REACH_PX, to_pixels
 from sim.camera import Intrinsics, Pose
 from sim.errors import RendererError
-from sim.light import LUMINANCE_OF_RGB, relative_luminance
+from sim.memory import give_back
+from sim.silence import silence
 from sim.vulkan import require_vulkan
+from sim.windows import Window
 
 EXPOSURE = 2.604e-5
 """Filament's default exposure (f/16, 1/125 s, ISO 100): what it multiplies a luminance by."""
@@ -34,8 +33,6 @@ NO_SHADOW_GROUP = 2
 NEAR_M, FAR_M = 0.05, 120.0
 """Clipping planes: before the lens, and beyond the street's ends (assumed)."""
 
-Window = tuple[int, int, int, int]
-"""x0, y0, x1, y1 [px], half-open."""
 Luminance = npt.NDArray[np.float32]
 
 
@@ -46,7 +43,7 @@ class FilamentRenderer:
         """Set up the renderer.
 
         Args:
-            model: with photometric lights; see `luminance_model`.
+            model: with photometric lights; see `sim.luminance_model`.
             intrinsics: the lens and sensor.
 
         Raises:
@@ -54,7 +51,7 @@ class FilamentRenderer:
         """
         software = require_vulkan()
         self.intrinsics = intrinsics
-        with _silence():
+        with silence():
             self._context = mjrf.Context(_context_config(software))
         self._context.set_clear_color([0.0, 0.0, 0.0])
         self._scene = self._context.create_scene(mjrf.SceneParams())
@@ -77,7 +74,7 @@ class FilamentRenderer:
 
     def close(self) -> None:
         """Free the device's memory; the renderer is of no use afterwards."""
-        with _silence():
+        with silence():
             for name in (
                 "_targets",
                 "_shadowless",
@@ -88,6 +85,7 @@ class FilamentRenderer:
                 "_context",
             ):
                 setattr(self, name, None)
+        give_back()
 
     def update(self, data: mujoco.MjData) -> None:
         """Take over the poses of `data`, whose kinematics must be up to date."""
@@ -220,56 +218,11 @@ class FilamentRenderer:
         return request
 
 
-_COLOUR_CODE = "filament.material.base_color_type"
 _DTYPE = {True: np.uint8, False: np.float32}
 _LOST = (
     "the Vulkan device gave no frame and seems to be lost; allowed is a device that answers; run "
     "it again, and if it happens again see what `flybench doctor` says of its driver"
 )
-
-
-def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
-    """A copy of `model` in which every colour is the grey of the same luminance.
-
-    As the renderer does, colours of materials and geoms are taken as sRGB unless the model says
-    that they are linear, and textures as linear unless their colour space is sRGB.
-    """
-    grey = copy.copy(model)
-    coded = not _is_linear(model)
-    for rgba in (grey.mat_rgba, grey.geom_rgba):
-        rgba[:, :3] = _grey(rgba[:, :3], coded)
-    for k in range(grey.ntex):
-        if grey.tex_nchannel[k] >= 3:
-            texels = _texels(grey, k)[:, :3]
-            coded = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
-            texels[:] = np.rint(255 * _grey(texels / 255, coded)).astype(np.uint8)
-    for diffuse in grey.light_diffuse:  # which scales its intensity
-        diffuse[:] = relative_luminance(diffuse)
-    return grey
-
-
-def _grey(colours: npt.NDArray[Any], coded: bool) -> npt.NDArray[np.float64]:
-    """(n, 1) greys of the same luminance as (n, 3) colours, in the same code."""
-    linear = srgb.decoded(colours) if coded else np.asarray(colours, np.float64)
-    grey = linear @ LUMINANCE_OF_RGB
-    return np.asarray(srgb.encoded(grey) if coded else grey)[:, None]
-
-
-def _is_linear(model: mujoco.MjModel) -> bool:
-    """Whether the model says that its colours are linear."""
-    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _COLOUR_CODE)
-    if number < 0:
-        return False
-    start, size = int(model.text_adr[number]), int(model.text_size[number])
-    return bytes(model.text_data[start : start + size]).rstrip(b"\0") == b"linear"
-
-
-def _texels(model: mujoco.MjModel, texture: int) -> npt.NDArray[np.uint8]:
-    """(n, channels) view on a texture's pixels."""
-    start, channels = int(model.tex_adr[texture]), int(model.tex_nchannel[texture])
-    count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * channels
-    texels: npt.NDArray[np.uint8] = model.tex_data[start : start + count].reshape(-1, channels)
-    return texels
 
 
 def _context_config(software: bool) -> Any:
@@ -292,18 +245,3 @@ def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
         frustum_far=FAR_M,
         frustum_width=half_width,
     )
-
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    """Keep Filament's chatter, which C++ writes to both streams, off the terminal."""
-    saved = os.dup(1), os.dup(2)
-    with tempfile.TemporaryFile() as sink:
-        os.dup2(sink.fileno(), 1)
-        os.dup2(sink.fileno(), 2)
-        try:
-            yield
-        finally:
-            for stream, copy_ in zip((1, 2), saved, strict=True):
-                os.dup2(copy_, stream)
-                os.close(copy_)

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim._compile import compiled
 from sim.moves import axes_along, followed_by, into_frame
 from sim.objects import MovingObject
 from sim.raster import perspective, rasterise
@@ -29,6 +30,7 @@ sees at the vehicle's distance (assumed)."""
 LAMP_NEAR_M = 0.1
 """Nothing stands nearer to a lamp (assumed)."""
 EMPTY = np.float32(-np.inf)
+"""Nearness where nothing stands before the light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,16 +97,16 @@ def draw_shadow_map(
         texel = TEXEL_M
         local[..., 2] *= -1
     else:
-        farthest_m = float(local[..., 2].max())
+        farthest_m = _span(local)[1, 2]
         if farthest_m < LAMP_NEAR_M:
             return None
         texel = TEXEL_M / farthest_m
         local, _ = perspective(local, 1.0, 0.0, 0.0, LAMP_NEAR_M)
-    low, high = local[..., :2].min(axis=(0, 1)), local[..., :2].max(axis=(0, 1))
+    low, high = _span(local)[:, :2]
     texel = max(texel, float((high - low).max()) / (MAP_SIDE - 7))
     start = np.floor(low / texel) - 2
     columns, rows = (int(n) for n in np.ceil(high / texel) - start + 3)
-    local[..., :2] = local[..., :2] / texel - start
+    _onto_map(local, texel, start)
     used = out[:rows, :columns]
     used.fill(EMPTY)
     nobody, nowhere = np.zeros(len(local), np.int32), np.empty(used.shape, np.int32)
@@ -112,3 +114,26 @@ def draw_shadow_map(
     last = -to_light[2:] if lamp.parallel else to_light[2:]
     shift = np.outer(start, [0, 0, 0, 1] if lamp.parallel else to_light[2])
     return ShadowMap(np.concatenate([to_light[:2] / texel - shift, last]), (rows, columns))
+
+
+@compiled
+def _span(triangles: F64) -> F64:
+    """(2, 3) lowest and highest of (n, 3, 3) corners, along each axis."""
+    span = np.empty((2, 3))
+    span[0], span[1] = np.inf, -np.inf
+    for t in range(len(triangles)):
+        for corner in range(3):
+            for axis in range(3):
+                span[0, axis] = min(span[0, axis], triangles[t, corner, axis])
+                span[1, axis] = max(span[1, axis], triangles[t, corner, axis])
+    return span
+
+
+@compiled
+def _onto_map(triangles: F64, texel: float, start: F64) -> None:
+    """Bring the x and y of (n, 3, 3) corners to a map's columns and rows, in place."""
+    for t in range(len(triangles)):
+        for corner in range(3):
+            for axis in range(2):
+                place = triangles[t, corner, axis] / texel - start[axis]
+                triangles[t, corner, axis] = place

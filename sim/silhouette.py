@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.camera import Intrinsics
 from sim.raster import cover
 from sim.renderer import NEAR_M
@@ -64,7 +64,7 @@ class Silhouette:
         return min(seen / alone, 1.0) if alone else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _projected(
     corners: F64,
     body: I32,

@@ -17,17 +17,21 @@ from sim.trees import Tree, add_tree
 from sim.vehicles import add_parked, vehicle
 
 LAMP_X_M, LAMP_CLEARANCE_M = 2.6, 1.0
-"""Where the far street lamp stands, and how near to it nothing else does."""
+"""Where the far street lamp stands, as `street.xml` has it, and how near to it nothing else does
+(assumed)."""
 PARKING_M, PARKED_END_M = 6.35, 10.5
 """Middle of the parking lane, in the world's y, and up to where cars are put on it: what is beyond
-is out of view, and each costs time."""
+is out of view, and each costs time (assumed)."""
 CAR_M = {VehicleKind.SEDAN: 4.6, VehicleKind.VAN: 5.1}
+"""Length of each vehicle, as its file has it."""
 GAP_M = (0.8, 5.5)
 """Between parked cars, least and most (assumed)."""
 CAR_HUES = ((1.0, 1.0, 1.05), (2.2, 0.7, 0.5), (0.6, 0.9, 1.8), (0.8, 1.1, 0.8), (1.3, 1.0, 0.6))
+"""Linear colours of parked cars, to be scaled to their luminance (by eye)."""
 KERB_TREES_M, TREES_END_M, TREE_GAP_M = 8.35, 11.0, (4.0, 7.5)
 """Line of the trees, in the world's y; up to where they stand; and their distance (assumed)."""
 _STREAM = 3
+"""First of three streams of random numbers, apart from shake's and wind's of the same seed."""
 
 
 def build_street(seed: int, *, dark: bool, windy: bool) -> tuple[mujoco.MjSpec, tuple[Tree, ...]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import cv2
 import mujoco
@@ -18,9 +19,8 @@ import numpy.typing as npt
 
 from sim.aperture import to_pixels
 from sim.camera import Intrinsics, Pose
-from sim.compose import Street
 from sim.mains import Mains, changed_lights, sky_lights
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.raster import empty_buffer, perspective, rasterise
 from sim.renderer import NEAR_M, FilamentRenderer
 from sim.triangles import Soup, unit_normals
@@ -35,6 +35,28 @@ FAR = 1e-6
 """Nearness of what is at no distance, such as the sky [1/m] (assumed)."""
 
 
+class Street(NamedTuple):
+    """What never moves, by light.
+
+    Attributes:
+        pixels: (1 + lights, height, width) float32 [cd/m²]: what comes steadily, then what each
+            light that casts shadows adds where nothing is in its way.
+        points: the same on the fine grid, but (rows, columns, 1 + lights): they are read point by
+            point.
+        albedo_points: fine grid, float32 [cd/m² a lux].
+        nearness: fine grid, 1/depth [1/m], float32.
+        depth: (height, width) float32 at the pixels' middles [m].
+        normals: (height, width, 3) float32 at the pixels' middles, in the camera's frame.
+    """
+
+    pixels: F32
+    points: F32
+    albedo_points: F32
+    nearness: F32
+    depth: F32
+    normals: F32
+
+
 def draw_street(
     renderer: FilamentRenderer,
     model: mujoco.MjModel,
@@ -47,6 +69,8 @@ def draw_street(
     supersample: int,
     blur_px: float,
     finer: int = 1,
+    *,
+    with_albedo: bool = True,
 ) -> Street:
     """Draw what never moves, light by light.
 
@@ -62,6 +86,7 @@ def draw_street(
         supersample: fine points per pixel and axis.
         blur_px: deviation of the lens's point spread [px].
         finer: each fine point is the mean of so many drawn along each axis.
+        with_albedo: whether movers have lamps; else nobody asks for it, and it is left at 0.
     """
     lens = renderer.intrinsics
 
@@ -92,8 +117,9 @@ def draw_street(
             with changed_lights(model, dark), mains.scaled(model, 0.0):
                 points[0][box] = np.minimum(drawn(window), rest)
             points[-1][box] = rest - points[0][box]
-    albedo = np.zeros_like(whole)
-    albedo[box] = _albedo(model, lambda: drawn(window))
+    albedo = np.zeros(whole.shape, np.float32)
+    if with_albedo:
+        albedo[box] = _albedo(model, lambda: drawn(window))
     nearness, depth, normals = _shape(lens, data, pose, soup, supersample)
     return Street(
         pixels=np.stack([to_pixels(part, supersample, blur_px) for part in points]),
@@ -132,12 +158,29 @@ def _shape(
     lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: Soup, supersample: int
 ) -> tuple[F32, F32, F32]:
     """Nearness of the fine points; depth and normals, in the camera's frame, at pixels' middles."""
-    seen = soup.moved(followed_by(body_poses(data), into_camera(pose)))
-    nearness, _ = draw_triangles(seen, lens, supersample)
+    nearness = street_nearness(lens, data, pose, soup, supersample)
+    seen = soup.moved(followed_by(body_poses(data), pose.into))
     middles, label = draw_triangles(seen, lens, 1)
     normals = np.concatenate([unit_normals(seen), np.zeros((1, 3))])[label]
     depth = np.asarray(1 / np.maximum(middles, np.float32(FAR)), np.float32)
-    return np.maximum(nearness, np.float32(FAR)), depth, normals.astype(np.float32)
+    return nearness, depth, normals.astype(np.float32)
+
+
+def street_nearness(
+    lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: Soup, supersample: int
+) -> F32:
+    """Nearness of what never moves at the fine points of the whole image, float32 [1/m].
+
+    Args:
+        lens: the camera's.
+        data: where the still things are.
+        pose: the camera's.
+        soup: the triangles of what never moves.
+        supersample: points per pixel and axis.
+    """
+    seen = soup.moved(followed_by(body_poses(data), pose.into))
+    nearness, _ = draw_triangles(seen, lens, supersample)
+    return np.maximum(nearness, np.float32(FAR))
 
 
 def draw_triangles(seen: F64, lens: Intrinsics, supersample: int) -> tuple[F32, I32]:

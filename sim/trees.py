@@ -14,11 +14,11 @@ import numpy.typing as npt
 from sim.wobble import Wobble, wobble
 
 BOUGHS = 4
-"""Rigid parts of a crown."""
+"""Rigid parts of a crown (by eye)."""
 LEAVES = 56
-"""Leaf tufts a bough, two triangles each."""
+"""Leaf tufts a bough, two triangles each (by eye)."""
 CORE_POINTS = 14
-"""Of the hull of twigs and shaded leaves within a bough."""
+"""Of the hull of twigs and shaded leaves within a bough (by eye)."""
 LEAF_M = (0.13, 0.27)
 """Half length of a tuft, least and most [m] (by eye)."""
 CROWN_SWAY_DEG, BOUGH_SWAY_DEG = 0.06, 0.12
@@ -28,10 +28,12 @@ speed with the grade to the power 1.5."""
 CROWN_SWAY_HZ, BOUGH_SWAY_HZ = 0.6, 1.6
 """Corner frequencies of the sway (assumed; street trees swing at 0.3 to 1 Hz)."""
 _TUFT = np.array([(-0.9, -0.35), (0.3, -1.0), (1.0, 0.4), (-0.2, 0.9)])
-"""Outline of a tuft, in its half length."""
+"""Outline of a tuft, in its half length (by eye)."""
 _TUFT_UV = np.array([(0.0, 0.0), (0.3, 0.0), (0.3, 0.3), (0.0, 0.3)])
 """Part of the foliage texture that one tuft shows."""
 _SWAY_STREAM, _TONES = 2, 8
+"""Keeps the wind's random numbers apart from the shake's of the same seed; sinusoids of each sway
+(assumed)."""
 
 F64 = npt.NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.aperture import LENS_BLUR_PX, REACH_PX
 from sim.camera import Intrinsics, Pose
 
@@ -67,7 +67,7 @@ def aperture_table(blur_px: float) -> F64:
     return table
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _gather(image: F32, back: F64, scale: float, table: F64, out: F32) -> None:
     """Weigh the fine points around each pixel's place.
 

@@ -15,7 +15,8 @@ Hue = tuple[float, float, float]
 
 FLANK_M = 0.9
 """From the middle of a lane to the flank of what drives there: a narrower or a wider vehicle keeps
-to the side, so that its flank is as far from the camera as `distance_m` says."""
+to the side, so that its flank is as far from the camera as `distance_m` says (assumed: half the
+sedan's width)."""
 FLANK_OF_M = {VehicleKind.SEDAN: 0.9, VehicleKind.VAN: 1.0, VehicleKind.MOTORCYCLE: 0.4}
 """From each vehicle's middle to its flank, as its file has it."""
 PAINT = "paint"

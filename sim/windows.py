@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.camera import Intrinsics, Pose
 from sim.moves import axes_along
 from sim.shadow_maps import Lamp
@@ -22,7 +22,8 @@ MARGIN_PX = 2
 BEAM_REACH_M = 30.0
 """Farther ahead, dipped beams change nothing that is in view (measured)."""
 BEAM_RIM = 24
-"""Points around a beam's rim (assumed; the polygon is drawn around the circle)."""
+"""Corners of the polygon that stands for a beam's rim; it is drawn around the circle, so that more
+of them only make the window tighter, by 0.9 % of the radius at most (assumed)."""
 
 
 def window_around(low: Point, high: Point, lens: Intrinsics) -> Window | None:
@@ -113,7 +114,7 @@ def _overlap(a: Window, b: Window) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, float, float, int]:
     """Least and greatest x and y of projected points from the axis [px]; how many lie behind."""
     low_x = low_y = math.inf
@@ -133,7 +134,7 @@ def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, floa
     return low_x, low_y, high_x, high_y, behind
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _with_shadow(corners_m: F64, away: F64, place_m: F64, parallel: bool) -> tuple[F64, bool]:
     """Corners, and after them their shadows on the ground.
 
@@ -156,7 +157,7 @@ def _with_shadow(corners_m: F64, away: F64, place_m: F64, parallel: bool) -> tup
     return out, falls
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _lit_hull(place_m: F64, direction: F64, axes: F64, slope: float) -> F64:
     """Points around a cone down to the ground, whose convex hull holds all of it above.
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from sim._compile import compiled
 from sim.camera import Intrinsics, Pose
 from sim.moves import followed_by
 from sim.scene import Scene
@@ -83,23 +83,32 @@ class Witness:
 
     def _motions(self, t_s: float, poses: F64, pose: Pose) -> list[_Motion]:
         """Where the objects' references are, and how they move; poses are those at the time."""
-        now = self._references(poses, pose)
-        before, after = (
-            self._references(self.geometry.poses(t), self._scene.pose_at(t))
-            for t in (t_s - RATE_STEP_S, t_s + RATE_STEP_S)
-        )
-        rates = (after - before) / (2 * RATE_STEP_S)
+        around = t_s - RATE_STEP_S, t_s + RATE_STEP_S
+        roots = np.stack([poses[self._roots], *(self._root_poses(t) for t in around)])
+        apart, seen = self._references(roots, [pose, *map(self._scene.pose_at, around)])
+        rates, seen_rates = ((p[2] - p[1]) / (2 * RATE_STEP_S) for p in (apart, seen))
         return [
-            _motion(now[0, k], now[1, k], rates[0, k], rates[1, k], self._lens)
+            _motion(apart[0, k], seen[0, k], rates[k], seen_rates[k], self._lens)
             for k in range(len(self._roots))
         ]
 
-    def _references(self, poses: F64, pose: Pose) -> F64:
-        """(2, objects, 3) references from the camera [m]: along the world's axes, and its own."""
-        roots = poses[self._roots]
+    def _root_poses(self, t_s: float) -> F64:
+        return np.asarray(self.geometry.poses(t_s)[self._roots])
+
+    def _references(self, roots: F64, cameras: list[Pose]) -> tuple[F64, F64]:
+        """References from the camera at several times [m].
+
+        Args:
+            roots: (times, objects, 3, 4) of the objects' root bodies in the world.
+            cameras: (times,) the camera's.
+
+        Returns:
+            (times, objects, 3) along the world's axes, and along the camera's.
+        """
         world = (roots[..., :3] @ self._references_m[..., None])[..., 0] + roots[..., 3]
-        apart = world - pose.position_m
-        return np.array([apart, apart @ pose.into[:, :3].T])
+        apart = world - np.array([[camera.position_m] for camera in cameras])
+        axes = np.array([camera.into[:, :3] for camera in cameras])
+        return apart, apart @ axes.swapaxes(-1, -2)
 
     def _find_references(self) -> F64:
         """(objects, 3) references in the frames of the objects' roots [m]."""
@@ -146,7 +155,7 @@ _AREA = 4
 """Column of `_count`."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _count(body: I32, object_of: I8, objects: int) -> tuple[I8, I64]:
     """Which object each pixel shows, and what each object's pixels add up to.
 
@@ -169,19 +178,22 @@ def _count(body: I32, object_of: I8, objects: int) -> tuple[I8, I64]:
             highest = max(highest, body[row, column])
         if highest == 0:
             continue
-        for column in range(width):
-            what = body[row, column]
-            if what <= 0 or object_of[what] < 0:
+        end = 0
+        while end < width:  # run by run
+            start, what = end, body[row, end]
+            while end < width and body[row, end] == what:
+                end += 1
+            k = object_of[what] if what > 0 else np.int8(-1)
+            if k < 0:
                 continue
-            k = object_of[what]
-            labels[row, column] = k
-            counts[k, 0] = min(counts[k, 0], column)
+            labels[row, start:end] = k
+            counts[k, 0] = min(counts[k, 0], start)
             counts[k, 1] = min(counts[k, 1], row)
-            counts[k, 2] = max(counts[k, 2], column + 1)
+            counts[k, 2] = max(counts[k, 2], end)
             counts[k, 3] = max(counts[k, 3], row + 1)
-            counts[k, 4] += 1
-            counts[k, 5] += column
-            counts[k, 6] += row
+            counts[k, 4] += end - start
+            counts[k, 5] += (start + end - 1) * (end - start) // 2
+            counts[k, 6] += row * (end - start)
     return labels, counts
 
 

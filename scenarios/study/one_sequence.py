@@ -21,7 +21,6 @@ from scenarios.light_options import LightOptions
 from scenarios.methods import FLY_PRESETS, VELOCITY_METHODS
 from scenarios.pipeline import make_crossing, note
 from scenarios.recording import SequenceRecorder
-from scenarios.study.memory import give_back
 from scenarios.study.results import MethodRun, Snapshot
 from scenarios.study.results import Sequence as Result
 from scenarios.study.snapshots import Album
@@ -96,19 +95,29 @@ def run_one(task: SequenceTask, progress: Progress = lambda _done, _all: None) -
     _compile(task.methods, task.sensor.width, task.sensor.height, task.contrast_hop_us)
     config = task.config()
     crossing = make_crossing(config, task.light.open())
+    begun_us = _draw_ahead(crossing, progress)
     with ExitStack() as stack:
         recorder = None
         if task.recording is not None:
             recorder = stack.enter_context(_recorder(task, task.recording, crossing))
-        give_back()
         audience = Audience(task, recorder)
         for sample in crossing.samples():
             audience.show(sample)
-            progress(sample.t_us, crossing.duration_us)
+            progress(begun_us + sample.t_us, begun_us + crossing.duration_us)
         audience.end()
-    result = audience.result(crossing)
-    give_back()
-    return result
+    return audience.result(crossing)
+
+
+def _draw_ahead(crossing: Crossing, progress: Progress) -> int:
+    """Draw light before the sensors are there, where it can be kept: both take much memory.
+
+    Returns:
+        Time drawn [µs], as progress counts it; 0 where light was there.
+    """
+    drawn_us = 0
+    for drawn_us in crossing.draw_ahead():
+        progress(drawn_us, 2 * crossing.duration_us)
+    return crossing.duration_us if drawn_us else 0
 
 
 def _recorder(task: SequenceTask, path: Path, crossing: Crossing) -> SequenceRecorder:

@@ -6,9 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.aperture import LENS_BLUR_PX, aperture_weights
-from sim.camera import Intrinsics, Pose
-from sim.compose import Eye, Lights, Street, Surfaces, compose
+from sim.camera import Eye, Intrinsics, Pose
+from sim.compose import compose
+from sim.moving_light import Lights
 from sim.raster import NOTHING
+from sim.street_light import Street
+from sim.surface_light import Surfaces
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
@@ -112,3 +115,20 @@ def composed(
         (x0, y0, x1, y1),
     )
     return image
+
+
+def half_shadow(edge_px: float, light: int) -> dict[str, npt.NDArray[np.generic]]:
+    """A shadow in parallel light along the view: dark left of a column of a street 10 m off."""
+    texels_m = 80.0  # a metre, so that a pixel of the street, 0.2 m, is 16
+    maps = np.full((1, 700, 1020), -np.inf, np.float32)
+    column = round((edge_px - LENS.width / 2) / LENS.focal_px * 10.0 * texels_m) + 510
+    maps[0, :, :column] = 0.0
+    view = np.array([[texels_m, 0, 0, 510], [0, texels_m, 0, 350], [0, 0, -1, 0]])
+    return {
+        "maps": maps,
+        "sizes": np.array([[700, 1020]]),
+        "views": view[None],
+        "light": np.array([light]),
+        "parallel": np.array([True]),
+        "reach": np.array([[0, 0, LENS.width, LENS.height]]),
+    }

@@ -360,3 +360,34 @@ def test_what_goes_with_light_counts_in_the_bound(tmp_path: Path) -> None:
     for key in (KEY, OTHER):
         assert it.kept(key, lambda: bytes(600)) == bytes(600)
     assert names(tmp_path) == {entry(tmp_path, OTHER).name}
+
+
+def drawn_ahead(crossing: Crossing, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Times that are drawn ahead, of light that is a still image."""
+    still = np.zeros((260, 346), np.float32), np.zeros((260, 346), np.int32)
+
+    def draw(_: Crossing, times_us: list[int]) -> LightStream:
+        for t_us in times_us:
+            yield Light(t_us, *still, changed=(0, 0, 346, 260))
+
+    monkeypatch.setattr(Crossing, "times_us", lambda _: [0, 1000, 2000])
+    monkeypatch.setattr(Crossing, "_light", draw)
+    return list(crossing.draw_ahead())
+
+
+def test_light_is_drawn_ahead_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    crossing = Crossing(CrossingConfig(), cache=cache(tmp_path))
+    assert drawn_ahead(crossing, monkeypatch) == [0, 1000, 2000]
+    assert drawn_ahead(crossing, monkeypatch) == []
+    assert crossing.cache is not None
+    assert crossing.cache.drawn == 3
+
+
+def test_what_cannot_be_kept_is_not_drawn_ahead(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    crossing = Crossing(CrossingConfig(), cache=cache(tmp_path, limit_bytes=1, warn=said.append))
+    assert drawn_ahead(crossing, monkeypatch) == []
+    assert len(said) == 1
+    assert drawn_ahead(Crossing(CrossingConfig()), monkeypatch) == []

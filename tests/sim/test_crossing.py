@@ -25,7 +25,8 @@ from sim import (
     project,
 )
 from sim.errors import SceneConfigError
-from sim.renderer import FilamentRenderer, luminance_model
+from sim.luminance_model import luminance_model
+from sim.renderer import FilamentRenderer
 from sim.scene import compose
 from sim.trajectory import MAX_BEARING_RAD
 

@@ -7,7 +7,7 @@ import pytest
 
 from sim.camera import Intrinsics, Pose
 from sim.flow import depth_m, displacement_px, flow_px_s, moves_between, twists_between
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.shake import rotation
 from sim.triangles import triangle_soup
 from sim.visible import look
@@ -35,7 +35,7 @@ def wall_views(model: mujoco.MjModel, t_s: float, pose: Pose = EYE) -> F64:
     data = mujoco.MjData(model)
     data.qpos[:] = SPEED_M_S * t_s
     mujoco.mj_kinematics(model, data)
-    return followed_by(body_poses(data), into_camera(pose))
+    return followed_by(body_poses(data), pose.into)
 
 
 def wall_flow(half_m: float, step_s: float = 1e-5) -> tuple[npt.NDArray[np.float32], F64]:
@@ -94,7 +94,7 @@ def test_a_camera_that_turns_makes_the_flow_of_a_pure_rotation_whatever_the_dept
         return Pose(EYE.position_m, frame[:, 0], -frame[:, 1])
 
     poses, step_s = body_poses(data), 1e-5
-    views = [followed_by(poses, into_camera(turned(t))) for t in (-step_s, 0.0, step_s)]
+    views = [followed_by(poses, turned(t).into) for t in (-step_s, 0.0, step_s)]
     visible = look(triangle_soup(model), poses, EYE, LENS)
     assert len(np.unique(visible.body)) == 2
     twists = twists_between(views[0], views[1], views[2], 2 * step_s)

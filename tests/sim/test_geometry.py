@@ -62,6 +62,22 @@ def test_colours_are_encoded_for_the_screen() -> None:
     np.testing.assert_array_equal(np.unique(mesh.colours, axis=0), [[255, 128, 0]])
 
 
+def test_a_textured_geom_has_the_mean_of_its_texels() -> None:
+    texture = (
+        '<texture name="t" type="2d" builtin="flat" rgb1="1 .2 0" mark="edge" markrgb="0 1 .4" '
+        'width="3" height="3"/><material name="m" texture="t" rgba=".5 1 1 1"/>'
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><asset>{texture}</asset>"
+        '<worldbody><geom type="box" size="1 1 1" material="m"/></worldbody></mujoco>'
+    )
+    texels = model.tex_data.reshape(-1, 3)
+    assert len(np.unique(texels, axis=0)) == 2
+    (mesh,) = body_meshes(model)
+    wanted = srgb(texels.mean(axis=0) / 255 * [0.5, 1, 1])
+    np.testing.assert_array_equal(np.unique(mesh.colours, axis=0), [wanted])
+
+
 def test_srgb_keeps_black_white_and_order() -> None:
     ramp = srgb(np.linspace(0, 1, 50)).astype(int)
     assert ramp[0] == 0

@@ -60,7 +60,9 @@ def test_an_even_body_keeps_its_luminance_up_to_its_edge(blur_px: float) -> None
     label = labels()
     glow = {2: 50.0, 5: 900.0}
     fine = np.select([label == 2, label == 5], [50.0, 900.0], default=3.0).astype(np.float32)
-    pieces = cut_pieces(np.stack([fine, 2 * fine]), label, VIEWS, CORNER, SIZE, blur_px)
+    pieces = cut_pieces(
+        np.stack([fine, 2 * fine]), label, VIEWS, CORNER, SIZE, blur_px, per_pixel=SIZE
+    )
     assert set(pieces) == {2, 5}
     for body, piece in pieces.items():
         seen = piece.cover > 1e-6
@@ -70,13 +72,15 @@ def test_an_even_body_keeps_its_luminance_up_to_its_edge(blur_px: float) -> None
         assert piece.view is VIEWS[body]
 
 
-def test_pieces_lie_where_they_were_cut_and_lose_nothing() -> None:
+@pytest.mark.parametrize("per_pixel", [SIZE, 1])
+def test_pieces_lie_where_they_were_cut_and_lose_nothing(per_pixel: int) -> None:
     label = labels()
     fine = np.random.default_rng(0).uniform(1, 2, (1, *label.shape)).astype(np.float32)
-    for body, piece in cut_pieces(fine, label, VIEWS, CORNER, SIZE, LENS_BLUR_PX).items():
-        whole = on_grid((label == body).astype(np.float32), SIZE, per_pixel=SIZE)
+    pieces = cut_pieces(fine, label, VIEWS, CORNER, SIZE, LENS_BLUR_PX, per_pixel=per_pixel)
+    for body, piece in pieces.items():
+        whole = on_grid((label == body).astype(np.float32), SIZE, per_pixel=per_pixel)
         rows, columns = piece.cover.shape
-        y, x = piece.y0 - CORNER[1] * SIZE, piece.x0 - CORNER[0] * SIZE
+        y, x = piece.y0 - CORNER[1] * per_pixel, piece.x0 - CORNER[0] * per_pixel
         part = np.s_[y : y + rows, x : x + columns]
         np.testing.assert_allclose(piece.cover, whole[part], atol=1e-6)
         whole[part] = 0

@@ -1,10 +1,14 @@
 """How much memory a sequence takes, in a process of its own: no more, however long it is."""
 
+import ctypes
 import platform
 import subprocess
 import sys
 
-from sim.memory import give_back_large
+import numpy as np
+import pytest
+
+from sim.memory import give_back, give_back_large
 
 LIMIT_MB = 1_000
 """Promised: a sequence of any length in under 1 GB."""
@@ -47,3 +51,17 @@ def test_frames_stream_and_the_whole_takes_less_than_a_gigabyte() -> None:
 
 def test_the_c_library_takes_what_it_is_told() -> None:
     assert give_back_large() == (platform.libc_ver()[0] == "glibc")
+
+
+def test_free_memory_is_given_back_and_what_is_held_stays() -> None:
+    held = [np.full(1000, k) for k in range(2000)]
+    del held[::2]
+    give_back()
+    assert all((block == block[0]).all() for block in held)
+    assert [block[0] for block in held[:3]] == [1, 3, 5]
+
+
+def test_a_c_library_that_cannot_is_borne(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ctypes, "CDLL", lambda _: object())
+    give_back()
+    assert not give_back_large()

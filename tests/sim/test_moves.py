@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.camera import Intrinsics, Pose, project
-from sim.moves import axes_along, body_poses, followed_by, into_camera, into_frame, undone
+from sim.moves import axes_along, body_poses, followed_by, into_frame, undone
 
 F64 = npt.NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def test_into_a_frame_takes_its_place_to_the_origin() -> None:
 def test_in_the_cameras_frame_points_are_where_it_projects_them() -> None:
     lens, pose = Intrinsics(), Pose(np.array([1.0, -7.0, 1.2])).rolled(0.3)
     points = np.random.default_rng(4).uniform(-2, 2, (20, 3))
-    x, y, z = into_camera(pose) @ np.column_stack([points, np.ones(20)]).T
+    x, y, z = pose.into @ np.column_stack([points, np.ones(20)]).T
     pixels, depth = project(points, pose, lens)
     np.testing.assert_allclose(z, depth)
     np.testing.assert_allclose(lens.width / 2 + lens.focal_px * x / z, pixels[:, 0])

@@ -10,10 +10,11 @@ import pytest
 from sim.aperture import LENS_BLUR_PX, to_pixels
 from sim.camera import Intrinsics
 from sim.errors import SceneConfigError
+from sim.luminance_model import luminance_model
 from sim.moves import body_poses
 from sim.moving_light import LightReach, MovingLight
 from sim.objects import moving_object
-from sim.renderer import FilamentRenderer, luminance_model
+from sim.renderer import FilamentRenderer
 from sim.triangles import triangle_soup
 from tests.sim.flat import above, composed, flat_street
 

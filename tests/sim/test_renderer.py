@@ -9,7 +9,8 @@ import pytest
 
 from sim import light
 from sim.camera import Intrinsics, Pose
-from sim.renderer import FilamentRenderer, luminance_model
+from sim.luminance_model import luminance_model
+from sim.renderer import FilamentRenderer
 from sim.vulkan import vulkan_devices
 
 LENS = Intrinsics(width=64, height=48, focal_px=60.0)

@@ -13,7 +13,8 @@ import pytest
 
 from sim import CrossingConfig, Direction, Intrinsics, Lighting, project
 from sim.distractors import Distractors, Pavement, VehicleKind, Way
-from sim.renderer import FilamentRenderer, Luminance, luminance_model
+from sim.luminance_model import luminance_model
+from sim.renderer import FilamentRenderer, Luminance
 from sim.scene import Scene, build_scene, compose
 
 EVERYTHING = Distractors(

@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.camera import Intrinsics
-from sim.moves import body_poses, followed_by, into_camera, undone
+from sim.moves import body_poses, followed_by, undone
 from sim.objects import MovingObject, moving_object
 from sim.shadow_maps import (
     MAP_SIDE,
@@ -60,7 +60,7 @@ class World:
             1.0,
             maps=maps,
             sizes=np.array([made.size]),
-            views=followed_by(undone(into_camera(above(HEIGHT_M))), made.view)[None],
+            views=followed_by(undone(above(HEIGHT_M).into), made.view)[None],
             light=np.array([0]),
             parallel=np.array([lamp.parallel]),
             reach=np.array([[0, 0, LENS.width, LENS.height]]),

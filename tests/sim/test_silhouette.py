@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.camera import Intrinsics, Pose
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.silhouette import Silhouette
 from sim.triangles import Soup, triangle_soup
 from sim.visible import look
@@ -29,7 +29,7 @@ def visibility(x_m: float, half_m: float = 1.0, hidden: int = 0) -> float:
     soup, poses = box(x_m, half_m)
     labels = look(soup, poses, EYE, LENS).body.astype(np.int8)
     labels[:, :hidden] = -1
-    views = followed_by(poses, into_camera(EYE))
+    views = followed_by(poses, EYE.into)
     return Silhouette(soup).visibility(views, LENS, labels, 1)
 
 

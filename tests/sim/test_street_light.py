@@ -9,10 +9,9 @@ import pytest
 
 from sim.aperture import to_pixels
 from sim.camera import Intrinsics, Pose
-from sim.compose import Street
 from sim.mains import Mains, changed_lights
 from sim.renderer import FilamentRenderer
-from sim.street_light import draw_street
+from sim.street_light import Street, draw_street
 from sim.triangles import triangle_soup
 from tests.sim.flat import composed, lights
 

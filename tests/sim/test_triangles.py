@@ -9,8 +9,9 @@ import pytest
 from sim import CrossingConfig
 from sim.camera import Intrinsics, Pose
 from sim.errors import SceneConfigError
-from sim.moves import body_poses, followed_by, into_camera
-from sim.renderer import FilamentRenderer, luminance_model
+from sim.luminance_model import luminance_model
+from sim.moves import body_poses, followed_by
+from sim.renderer import FilamentRenderer
 from sim.scene import build_scene
 from sim.street_light import draw_triangles
 from sim.triangles import triangle_soup, unit_normals
@@ -40,7 +41,7 @@ def differing(model: mujoco.MjModel, data: mujoco.MjData, pose: Pose, lens: Intr
         renderer.update(data)
         reference = renderer.segmentation(pose, (0, 0, lens.width, lens.height))
     soup = triangle_soup(model)
-    seen = soup.moved(followed_by(body_poses(data), into_camera(pose)))
+    seen = soup.moved(followed_by(body_poses(data), pose.into))
     _, triangle = draw_triangles(seen, lens, 1)
     geom = np.append(soup.geom, -1)[triangle]
     assert len(np.unique(reference)) > 7

@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.camera import Intrinsics, Pose
-from sim.moves import body_poses, followed_by, into_camera
+from sim.moves import body_poses, followed_by
 from sim.raster import NOTHING, perspective, rasterise
 from sim.renderer import NEAR_M
 from sim.triangles import Soup, triangle_soup
@@ -97,7 +97,7 @@ def fine_points(
     label = np.full(nearness.shape, NOTHING, np.int32)
     for soup in (still, movers):
         label.fill(NOTHING)
-        seen = soup.moved(followed_by(poses, into_camera(POSE)))
+        seen = soup.moved(followed_by(poses, POSE.into))
         middle = LENS.width * size / 2, LENS.height * size / 2
         flat, source = perspective(seen, LENS.focal_px * size, *middle, NEAR_M)
         rasterise(flat, soup.body[source], x0, y0, nearness, label, True)

@@ -8,7 +8,8 @@ import pytest
 from detector.estimate import Direction, MotionEstimate
 from emulator import Davis346
 from scenarios.methods import CONTRAST, FLY, FRAME_FLY
-from scenarios.study.one_sequence import Audience, SequenceTask, velocity_errors
+from scenarios.study import one_sequence
+from scenarios.study.one_sequence import Audience, SequenceTask, run_one, velocity_errors
 from scenarios.study.results import Sequence
 from scenarios.study.watcher import make_watcher
 from sim import CrossingConfig
@@ -75,3 +76,17 @@ def test_velocity_is_judged_where_a_direction_is_named() -> None:
     np.testing.assert_allclose(errors, [10.0, -20.0])
     assert velocity_errors(CONTRAST, estimates[3:4], sequence) is None
     assert velocity_errors(FLY, estimates, sequence) is None
+
+
+@pytest.mark.parametrize("ahead_us", [[], [0, 60_000, 148_500]])
+def test_drawing_ahead_is_the_first_half_of_progress(
+    monkeypatch: pytest.MonkeyPatch, ahead_us: list[int]
+) -> None:
+    monkeypatch.setattr(one_sequence, "make_crossing", lambda *_: CROSSING)
+    monkeypatch.setattr(type(CROSSING), "draw_ahead", lambda _: iter(ahead_us))
+    monkeypatch.setattr(type(CROSSING), "samples", lambda _: samples())
+    told: list[float] = []
+    run_one(replace(TASK, seeds=(3,)), lambda done, whole: told.append(done / whole))
+    assert told == sorted(told)
+    assert len(told) == len(ahead_us) + 100
+    assert told[len(ahead_us)] == (0.5 if ahead_us else 0.0)
