@@ -12,7 +12,7 @@ import numpy as np
 from numba import types
 from numba.extending import intrinsic
 
-from emulator._compile import inlined
+from kernels import inlined
 
 EXP_RANGE = 700.0
 """Arguments of `exp` are held within ±700, where its result is 1e±304."""

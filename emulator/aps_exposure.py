@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator._elementary import lowest_bit
 from emulator.pixels import BLOCK
 from emulator.scan import Masks
+from kernels import compiled
 
 _ONE = np.uint64(1)
 

@@ -7,9 +7,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator._elementary import lowest_bit
 from emulator.event_keys import PIXEL_MASK, TIME_SHIFT, Keys
+from kernels import compiled
 
 PS_PER_US = 1_000_000
 

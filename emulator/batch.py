@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled, inlined
 from emulator._elementary import exp, log
 from emulator.noise import leak_drift, shot_rates
 from emulator.photoreceptor import LOG_PIECE, corner_per_us, lag_after, log_current
 from emulator.pixels import PixelModel, Pixels
+from kernels import compiled, inlined
 
 BATCH = 512
 """Pixels in a batch: its 23 fields take 94 kB, which the nearest caches hold."""

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled, inlined
 from emulator.batch import (
     CHANGE,
     CLOCK,
@@ -48,6 +47,7 @@ from emulator.pixel import (
     stretch_of,
 )
 from emulator.pixels import PixelModel, PixelState
+from kernels import compiled, inlined
 
 
 class Way(NamedTuple):

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled, inlined
 from emulator._elementary import exp, log
+from kernels import compiled, inlined
 
 THETA_MIN = 0.01
 """Least threshold that mismatch may leave a pixel (v2e's choice too): a pixel at or below zero

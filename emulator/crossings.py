@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator._elementary import exp
 from emulator.batch import (
     CHANGE,
@@ -44,6 +43,7 @@ from emulator.change_detector import is_close
 from emulator.photoreceptor import lag_after
 from emulator.pixel import crossing_mark
 from emulator.pixels import PixelModel
+from kernels import compiled
 
 _ROUNDS = 4
 

@@ -12,8 +12,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator.events import EVENT_DTYPE, Events
+from kernels import compiled
 
 Keys: TypeAlias = npt.NDArray[np.int64]
 

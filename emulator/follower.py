@@ -11,9 +11,9 @@ so the difference to the memorised value is a line and two exponentials, which t
 
 from __future__ import annotations
 
-from emulator._compile import compiled
 from emulator._elementary import exp, log
 from emulator.change_detector import NEVER_US
+from kernels import compiled
 
 _ALIKE = 1e-3
 """Relative difference of τ1 and τ2 below which τ2 is taken to be that much longer than τ1: the

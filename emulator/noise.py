@@ -27,9 +27,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled, inlined
 from emulator._elementary import exp, half_turn, log, real_of
 from emulator.config import SensorConfig
+from kernels import compiled, inlined
 
 SHOT_LUX = (0.1, 161.0)
 SHOT_OFF_HZ = (4.2, 0.0012)

@@ -15,8 +15,8 @@ the chip, time in µs, everything else in natural logarithms.
 
 from __future__ import annotations
 
-from emulator._compile import compiled, inlined
 from emulator._elementary import log
+from kernels import compiled, inlined
 
 LOG_PIECE = 0.25
 """Largest change of u over which τ is held constant, at its value half-way: its mean is then off by

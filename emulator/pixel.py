@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from emulator._compile import compiled, inlined
 from emulator._elementary import exp
 from emulator.change_detector import NEVER_US, first_crossing, stays_within
 from emulator.events import Cause
@@ -22,6 +21,7 @@ from emulator.follower import amplitudes, behind_after, first_crossing_behind, u
 from emulator.noise import exponential, leak_drift, shot_rates, uniform
 from emulator.photoreceptor import corner_per_us, lag_after
 from emulator.pixels import PixelModel
+from kernels import compiled, inlined
 
 NO_EVENT = -1
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator._elementary import lowest_bit
 from emulator.batch import (
     BATCH,
@@ -25,6 +24,7 @@ from emulator.crossings import solve_crossings
 from emulator.event_keys import Keys
 from emulator.pixels import BLOCK, PixelModel, PixelState, Ticks
 from emulator.scan import GROUP, Work, next_block
+from kernels import compiled
 
 _ONE = np.uint64(1)
 

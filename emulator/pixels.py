@@ -8,11 +8,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled
 from emulator.change_detector import draw_thresholds
 from emulator.config import SensorConfig
 from emulator.noise import NoiseLaw, draw_crazy_rates, draw_hot_rates, exponential, noise_law
 from emulator.optics import lux_per_cd_m2
+from kernels import compiled
 
 BLOCK = 64
 """Neighbouring pixels that are looked at together: one bit each of a 64-bit mask."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator._compile import compiled, inlined
 from emulator.frames import MAX_LUMINANCE_CD_M2
 from emulator.pixels import BLOCK, Floats, PixelState, Ticks
+from kernels import compiled, inlined
 
 Flags = npt.NDArray[np.bool_]
 Masks = npt.NDArray[np.uint64]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.camera import Eye
 from sim.moving_light import Lights
 from sim.pixel_codes import mark_edges, pixel_codes

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.aperture import REACH_PX
 from sim.crossing import Crossing
 from sim.errors import SimError

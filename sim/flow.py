@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.camera import Intrinsics
 from sim.moves import followed_by, undone
 from sim.visible import Visible

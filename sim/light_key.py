@@ -14,6 +14,8 @@ import mujoco
 import numba
 import numpy as np
 
+import kernels
+import sim
 from sim.camera import Intrinsics
 from sim.config import CrossingConfig
 from sim.vulkan import vulkan_devices
@@ -25,8 +27,8 @@ def light_key(
     """64 hexadecimal digits that tell a sequence's light from any other.
 
     They stand for the configuration, the compiled scene (and so all assets in it), the lens, the
-    times, this package's own sources as they were when it was imported, the libraries that it
-    draws with, the machine's architecture, and its Vulkan devices with their drivers.
+    times, the sources of `sim` and `kernels` as they were when they were imported, the libraries
+    that draw, the machine's architecture, and its Vulkan devices with their drivers.
 
     Args:
         config: what is shown.
@@ -64,5 +66,5 @@ def sources_digest(folder: Path) -> str:
     return digest.hexdigest()
 
 
-_SOURCES = sources_digest(Path(__file__).parent)
+_SOURCES = [sources_digest(Path(package.__path__[0])) for package in (kernels, sim)]
 """Taken on import: a file that is edited later is not the code that runs."""

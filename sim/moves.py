@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled, inlined
+from kernels import compiled, inlined
 
 F64 = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.scanlines import crossings, from_top, slopes
 
 F32 = npt.NDArray[np.float32]

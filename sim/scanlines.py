@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim._compile import inlined
+from kernels import inlined
 
 Six = tuple[float, float, float, float, float, float]
 

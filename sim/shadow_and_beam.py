@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import inlined
+from kernels import inlined
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.moves import axes_along, followed_by, into_frame
 from sim.objects import MovingObject
 from sim.raster import perspective, rasterise

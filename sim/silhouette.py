@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.camera import Intrinsics
 from sim.raster import cover
 from sim.renderer import NEAR_M

@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.aperture import LENS_BLUR_PX, REACH_PX
 from sim.camera import Intrinsics, Pose
 

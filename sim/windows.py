@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.camera import Intrinsics, Pose
 from sim.moves import axes_along
 from sim.shadow_maps import Lamp

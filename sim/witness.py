@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim._compile import compiled
+from kernels import compiled
 from sim.camera import Intrinsics, Pose
 from sim.moves import followed_by
 from sim.scene import Scene

@@ -30,6 +30,7 @@ def test_only_one_room_imports_a_heavy_library(library: str, owner: str) -> None
 @pytest.mark.parametrize(
     ("room", "others"),
     [
+        ("kernels", {"sim", "emulator", "detector", "formats", "scenarios"}),
         ("sim", {"emulator", "detector", "formats", "scenarios"}),
         ("emulator", {"sim", "detector", "formats", "scenarios"}),
         ("detector", {"sim", "formats", "scenarios"}),
