@@ -77,7 +77,9 @@ def _fit_all(
         if is_burst:
             continue
         edge_us[p, y, x] = t
-        count = _neighbours(edge_us[p], x, y, t, radius, span_us, least, room, ranks)
+        count = _neighbours(edge_us[p], x, y, t, radius, span_us, room, ranks)
+        if count < least:
+            continue
         count = _youngest(room, ranks, count, swept)
         slope = _plane(room, count, least, tolerance_px)
         if slope[0] != 0.0 or slope[1] != 0.0:
@@ -88,38 +90,21 @@ def _fit_all(
 
 @njit(cache=True)
 def _neighbours(
-    surface: Any,
-    x: int,
-    y: int,
-    t: int,
-    radius: int,
-    span_us: int,
-    least: int,
-    room: Any,
-    ranks: Any,
+    surface: Any, x: int, y: int, t: int, radius: int, span_us: int, room: Any, ranks: Any
 ) -> int:
     """Recent edges in the square around an event, itself too: dx, dy [px] and dt [s].
 
-    They are only counted where they are fewer than the least. `ranks` grow with age; of the same
-    age, the one that is found first is the younger.
+    `ranks` grow with age; of the same age, the one that is found first is the younger. All are
+    written, and those that are not recent overwritten: noise would have a branch guessed wrongly.
     """
     height, width = surface.shape
-    top, bottom = max(y - radius, 0), min(y + radius + 1, height)
-    left, right = max(x - radius, 0), min(x + radius + 1, width)
-    recent = 0
-    for row in range(top, bottom):
-        for column in range(left, right):
-            recent += t - surface[row, column] <= span_us
-    if recent < least:
-        return recent
     count = 0
-    for row in range(top, bottom):
-        for column in range(left, right):
+    for row in range(max(y - radius, 0), min(y + radius + 1, height)):
+        for column in range(max(x - radius, 0), min(x + radius + 1, width)):
             age = t - surface[row, column]
-            if age <= span_us:
-                room[count, 0], room[count, 1], room[count, 2] = column - x, row - y, age * -1e-6
-                ranks[count] = age * len(ranks) + count
-                count += 1
+            room[count, 0], room[count, 1], room[count, 2] = column - x, row - y, age * -1e-6
+            ranks[count] = age * len(ranks) + count
+            count += age <= span_us
     return count
 
 
@@ -134,11 +119,8 @@ def _youngest(points: Any, ranks: Any, count: int, most: int) -> int:
         for other in range(count):
             younger += ranks[other] < ranks[k]
         if younger < most:
-            points[kept, 0], points[kept, 1], points[kept, 2] = (
-                points[k, 0],
-                points[k, 1],
-                points[k, 2],
-            )
+            for axis in range(3):
+                points[kept, axis] = points[k, axis]
             kept += 1
     return kept
 

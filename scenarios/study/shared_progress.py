@@ -35,8 +35,10 @@ class SharedProgress:
 
     def tell(self, task: int, done: int, total: int) -> None:
         """Note that of a task so much is done."""
-        parts = np.memmap(self.path, np.int64, "r+", shape=self.tasks)
-        parts[task] = done * _PARTS // max(total, 1)
+        part = np.int64(done * _PARTS // max(total, 1))
+        with self.path.open("r+b") as file:
+            file.seek(task * part.itemsize)
+            file.write(part.tobytes())
 
     @contextmanager
     def watched(self, progress: Callable[[int, int], None]) -> Iterator[None]:
