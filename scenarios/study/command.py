@@ -156,7 +156,7 @@ class Study:
     ) -> None:
         write_table(work / TABLE, COLUMNS, (tuple(row.values()) for row in rows))
         (work / FIGURES).mkdir()
-        figures = draw_figures(work / FIGURES, sequences, jobs=self.jobs)
+        figures = draw_figures(work / FIGURES, sequences)
         write_report(
             work / REPORT,
             sequences=sequences,

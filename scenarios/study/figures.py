@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenarios.parallel import run_here
 from scenarios.study import results
 from scenarios.study.figure_comparison import draw_comparison
 from scenarios.study.figure_condition import draw_condition
@@ -95,28 +93,19 @@ FIGURES = (
 )
 
 
-def draw_figures(folder: Path, sequences: Sequences, *, jobs: int = 1) -> list[Path]:
+def draw_figures(folder: Path, sequences: Sequences) -> list[Path]:
     """Draw every figure of which there is a sequence.
 
     Args:
         folder: where to, which is there.
         sequences: what the study found, one at least, in any order.
-        jobs: how many processes; −1: one a core.
 
     Returns:
         The files, an SVG and a PNG a figure.
     """
-    drawings = [_Drawing(f, folder / f.name, own) for f in FIGURES if (own := f.of(sequences))]
-    deque(run_here(_draw, drawings, jobs=jobs), maxlen=0)
-    return [d.path.with_suffix(suffix) for d in drawings for suffix in (".svg", ".png")]
-
-
-@dataclass(frozen=True)
-class _Drawing:
-    figure: Figure
-    path: Path
-    sequences: Sequences
-
-
-def _draw(drawing: _Drawing) -> None:
-    drawing.figure.draw(drawing.path, drawing.sequences)
+    files = []
+    for figure in FIGURES:
+        if own := figure.of(sequences):
+            figure.draw(folder / figure.name, own)
+            files += [folder / f"{figure.name}.svg", folder / f"{figure.name}.png"]
+    return files
