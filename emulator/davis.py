@@ -52,7 +52,7 @@ class Davis346:
         config: the sensor and its lens.
         seed: of everything random. Same seed, same light: the same output, bit for bit.
         threads: how many share a step, 1 to 64; their number changes nothing but the time it takes.
-            At 346×260 two are no faster than one.
+            At 346×260 two are slower than one.
 
     Raises:
         SensorConfigError: what is given is no `SensorConfig`, the seed is negative or no integer,
