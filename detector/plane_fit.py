@@ -104,7 +104,7 @@ def common_velocity(slopes: F64) -> tuple[tuple[float, float], float]:
     relative to the speed: a slope's error grows with its time.
 
     Args:
-        slopes: (n, 2), (a, b) of each fit [s/px].
+        slopes: (n, 2), (a, b) of each fit, one at least [s/px].
 
     Returns:
         v [px/s], and |v| over its standard error along v. Where all edges have one direction, v

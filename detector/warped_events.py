@@ -134,11 +134,14 @@ class WarpedEvents:
             orders: (n, events) int32: event number i gets the time of event number orders[·, i].
 
         Returns:
-            (n,) float64.
+            (n,) float64; 0 where there are no events.
         """
         found = np.zeros(len(orders))
-        room, scale = self._room_for(np.array([velocity]), scale_px), self._scale(scale_px)
-        rewards_by_order(self._points, self._box, velocity, orders, scale, self._kind, room, found)
+        if self.number:
+            room, scale = self._room_for(np.array([velocity]), scale_px), self._scale(scale_px)
+            rewards_by_order(
+                self._points, self._box, velocity, orders, scale, self._kind, room, found
+            )
         return found
 
     def image(self, velocity: tuple[float, float], scale_px: float = 1.0) -> F32:

@@ -33,7 +33,7 @@ def discard_stale(package: Path) -> None:
 
 
 def compiled(function: Kernel) -> Kernel:
-    """Compile a kernel once and cache it on disk.
+    """Compile a kernel once and cache it on disk, where stale kernels beside it go first.
 
     No `fastmath`: it would let two machines round differently and so break "same seed, same
     events" and "same scene, same light". NumPy's error model makes x/0 an infinity, which kernels

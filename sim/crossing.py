@@ -149,7 +149,8 @@ class Crossing:
     def draw_ahead(self) -> Iterator[int]:
         """Draw into the cache what `samples` will read, before anything else takes memory.
 
-        Where all is kept already, or nothing can be, it ends at once.
+        Where all is kept already, or nothing can be, it ends at once; where the cache has no room
+        for so much, as soon as that is known.
 
         Yields:
             Times of what is drawn, in order [µs].

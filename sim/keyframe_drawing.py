@@ -66,12 +66,12 @@ class KeyframeDrawing:
             per_pixel: grid points that are kept per pixel and axis.
         """
         self._renderer, self._model, self._data, self._place = renderer, model, data, place
-        self.outlines, self._objects, self._mains = outlines, objects, mains
+        self.outlines, self._mains = outlines, mains
         self._street_nearness, self._blur_px = street_nearness, blur_px
         self._per_pixel = per_pixel
         self._sky = sky_lights(model)
-        moving = np.concatenate([obj.geoms for obj in objects])
-        self._still = np.setdiff1d(np.arange(model.ngeom), moving)
+        self._moving = np.concatenate([obj.geoms for obj in objects])
+        self._still = np.setdiff1d(np.arange(model.ngeom), self._moving)
 
     def draw(self, obj: MovingObject, t_us: int) -> Keyframe:
         """An object at a time."""
@@ -145,7 +145,7 @@ class KeyframeDrawing:
 
     def _geoms_but(self, bodies: npt.ArrayLike) -> list[int]:
         """All that moves, but for some bodies."""
-        geoms = np.concatenate([obj.geoms for obj in self._objects])
+        geoms = self._moving
         body = self._model.body_weldid[self._model.geom_bodyid[geoms]]
         return [int(g) for g in geoms[~np.isin(body, bodies)]]
 

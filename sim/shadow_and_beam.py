@@ -26,7 +26,7 @@ def share_let_through(
     """Share of a light, 0 to 1, that a mover lets through to a point.
 
     Args:
-        maps: as in `Lights`, and so the next two.
+        maps: as in `sim.moving_light.Lights`, and so the next two.
         sizes: likewise.
         parallel: likewise.
         shadow: which.

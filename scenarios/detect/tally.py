@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from detector.estimate import Direction, MotionEstimate
 from emulator import ApsFrame, Events, empty_events
+from emulator.events import joined
 from scenarios.detect.watching import Look
 
 PICTURE_US = 20_000
@@ -108,9 +109,9 @@ class Curves:
         self.on.append(on)
         self.off.append(events.size - on)
         last_us = int(events["t"][-1])
-        joined = np.concatenate([self._recent, events])
+        recent = joined([self._recent, events])
         # Twice the span: an estimate is of a time before the events that brought it.
-        self._recent = joined[joined["t"] > last_us - 2 * PICTURE_US]
+        self._recent = recent[recent["t"] > last_us - 2 * PICTURE_US]
         if self._strongest == 0.0:
             self.picture = self._snapshot(None, last_us + 1)
 

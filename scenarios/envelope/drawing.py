@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.metrics import Box
-from emulator import Events, empty_events
+from emulator.events import Events, joined
 from scenarios.envelope.noise import merge, poisson_noise
 from scenarios.envelope.pixels import Canvas
 from scenarios.envelope.scene import Scene, make_scene
@@ -68,8 +68,8 @@ def draw(stimulus: Stimulus) -> Drawn:
         duration_us=scene.duration_us,
         rng=np.random.default_rng((stimulus.seed, 2)),
     )
-    parts = [empty_events(), *_signal(scene)]
-    return Drawn(stimulus, scene, merge(np.concatenate(parts), noise), _in_view_us(scene))
+    signal = joined(list(_signal(scene)))
+    return Drawn(stimulus, scene, merge(signal, noise), _in_view_us(scene))
 
 
 def _signal(scene: Scene) -> Iterator[Events]:
@@ -96,7 +96,7 @@ def _signal(scene: Scene) -> Iterator[Events]:
             )
             for region in _changed(scene, corners[n], corners[n + 1])
         ]
-        events = np.concatenate([empty_events(), *parts])
+        events = joined(parts)
         yield events[np.argsort(events["t"], kind="stable")]
 
 

@@ -112,12 +112,12 @@ def _draw_ahead(crossing: Crossing, progress: Progress) -> int:
     """Draw light before the sensors are there, where it can be kept: both take much memory.
 
     Returns:
-        Time drawn [µs], as progress counts it; 0 where light was there.
+        Time drawn [µs]; 0 where light was there.
     """
     drawn_us = 0
     for drawn_us in crossing.draw_ahead():
         progress(drawn_us, 2 * crossing.duration_us)
-    return crossing.duration_us if drawn_us else 0
+    return drawn_us
 
 
 def _recorder(task: SequenceTask, path: Path, crossing: Crossing) -> SequenceRecorder:

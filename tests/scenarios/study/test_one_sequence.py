@@ -79,7 +79,7 @@ def test_velocity_is_judged_where_a_direction_is_named() -> None:
 
 
 @pytest.mark.parametrize("ahead_us", [[], [0, 60_000, 148_500]])
-def test_drawing_ahead_is_the_first_half_of_progress(
+def test_drawing_ahead_is_a_part_of_progress(
     monkeypatch: pytest.MonkeyPatch, ahead_us: list[int]
 ) -> None:
     monkeypatch.setattr(one_sequence, "make_crossing", lambda *_: CROSSING)
@@ -89,4 +89,5 @@ def test_drawing_ahead_is_the_first_half_of_progress(
     run_one(replace(TASK, seeds=(3,)), lambda done, whole: told.append(done / whole))
     assert told == sorted(told)
     assert len(told) == len(ahead_us) + 100
-    assert told[len(ahead_us)] == (0.5 if ahead_us else 0.0)
+    drawn_us = ahead_us[-1] if ahead_us else 0
+    assert told[len(ahead_us)] == drawn_us / (drawn_us + CROSSING.duration_us)
