@@ -21,7 +21,7 @@ from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
 from detector.parameters import check_numbers, check_whole_hops
-from detector.tangential import winner_take_all
+from detector.tangential import winner_take_all, within_one
 from detector.warped_events import Reward, WarpedEvents, centred_points
 from emulator.events import Events, empty_events, joined
 
@@ -40,7 +40,6 @@ _SURVEY_EVENTS = 5000
 on drawn dots of 120 to 1000 px/s all of them lead to the same velocities."""
 _SHUFFLES = 16
 """How many times the events' times are exchanged to see what chance gives (assumed)."""
-_BELOW_ONE = math.nextafter(1.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +231,7 @@ class ContrastMaximisation(HopDetector):
         velocity, prominence = (
             (found.velocity_px_s, found.prominence) if found is not None else ((0.0, 0.0), 0.0)
         )
-        hs, vs = (max(-_BELOW_ONE, min(_BELOW_ONE, v / c.limit_px_s)) for v in velocity)
+        hs, vs = (within_one(v / c.limit_px_s) for v in velocity)
         snr, floor = (prominence, prominence), c.prominence_floor
         return MotionEstimate(
             t_us=end_us,

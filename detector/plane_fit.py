@@ -23,7 +23,7 @@ from detector.estimate import MotionEstimate
 from detector.hops import HopDetector
 from detector.parameters import check_numbers, check_whole_hops
 from detector.surface_slopes import SurfaceSlopes
-from detector.tangential import winner_take_all
+from detector.tangential import winner_take_all, within_one
 from emulator.events import Events
 
 __all__ = ["PlaneFit", "PlaneFitConfig"]
@@ -34,7 +34,6 @@ _ROUNDS = 10
 """Rounds of reweighting (assumed): afterwards drawn velocities change by less than 0.1 %."""
 _RIDGE = 1e-3
 """Share by which slow velocities are preferred, which decides where edges do not tell (assumed)."""
-_BELOW_ONE = math.nextafter(1.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,7 +178,7 @@ class PlaneFit(HopDetector):
         velocity, ratio = (0.0, 0.0), 0.0
         if len(slopes) >= c.least_fits:
             velocity, ratio = common_velocity(slopes)
-        hs, vs = (max(-_BELOW_ONE, min(_BELOW_ONE, v / c.limit_px_s)) for v in velocity)
+        hs, vs = (within_one(v / c.limit_px_s) for v in velocity)
         return MotionEstimate(
             t_us=end_us,
             hs=hs,

@@ -81,7 +81,7 @@ def normalise(response: float, *, cells: int, scale: float) -> float:
     Returns:
         2 / (1 + e^(−response / (cells · scale))) − 1, kept inside the open interval.
     """
-    return _inside(math.tanh(response / (2.0 * cells * scale)))
+    return within_one(math.tanh(response / (2.0 * cells * scale)))
 
 
 def shares_of_total(lp: tuple[float, float, float, float]) -> tuple[float, float]:
@@ -97,10 +97,11 @@ def shares_of_total(lp: tuple[float, float, float, float]) -> tuple[float, float
 
 
 def _share(response: float, total: float) -> float:
-    return _inside(response / total) if total > 0.0 else 0.0
+    return within_one(response / total) if total > 0.0 else 0.0
 
 
-def _inside(value: float) -> float:
+def within_one(value: float) -> float:
+    """The value, kept within (−1, 1)."""
     return max(-_BELOW_ONE, min(_BELOW_ONE, value))
 
 
