@@ -1,1 +1,35 @@
-"""From events to the direction of motion."""
+"""Motion detectors: events (and frames) in, direction of motion out.
+
+`FlyDetector` is the fly of the paper; `FrameFly`, `ContrastMaximisation` and `PlaneFit` are its
+rivals. All obey `Detector`: they take a stream in chunks of any size and return `MotionEstimate`s.
+"""
+
+from detector.contrast_maximisation.detector import ContrastConfig, ContrastMaximisation
+from detector.errors import DetectorConfigError, DetectorError, EventOrderError, StateError
+from detector.estimate import Detector, FrameDetector, MotionEstimate
+from detector.fly.config import FlyConfig
+from detector.fly.detector import FlyDetector, FlyMaps
+from detector.frame_fly.config import FrameFlyConfig
+from detector.frame_fly.detector import FrameFly
+from detector.plane_fit.detector import PlaneFit, PlaneFitConfig
+from flybench.direction import Direction
+
+__all__ = [
+    "ContrastConfig",
+    "ContrastMaximisation",
+    "Detector",
+    "DetectorConfigError",
+    "DetectorError",
+    "Direction",
+    "EventOrderError",
+    "FlyConfig",
+    "FlyDetector",
+    "FlyMaps",
+    "FrameDetector",
+    "FrameFly",
+    "FrameFlyConfig",
+    "MotionEstimate",
+    "PlaneFit",
+    "PlaneFitConfig",
+    "StateError",
+]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from emulator.errors import EventError
+from flybench.errors import EventError, FlybenchError
 
 
-class DetectorError(ValueError):
+class DetectorError(FlybenchError):
     """Base of all errors that the detector raises on bad input."""
 
 

@@ -3,41 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
-from emulator.events import Events
-
-
-class Direction(StrEnum):
-    """One of the four cardinal directions of image motion, or none.
-
-    This is the one place that states the convention of angles: in the image frame (x right, y
-    down) an angle of 0° points right and +90° points down.
-    """
-
-    RIGHT = "right"
-    LEFT = "left"
-    UP = "up"
-    DOWN = "down"
-    NONE = "none"
-
-    @property
-    def angle_deg(self) -> float | None:
-        """Angle of the direction in (−180, 180] [deg]; None for `NONE`."""
-        return _ANGLES_DEG[self]
-
-
-_ANGLES_DEG: dict[Direction, float | None] = {
-    Direction.RIGHT: 0.0,
-    Direction.DOWN: 90.0,
-    Direction.LEFT: 180.0,
-    Direction.UP: -90.0,
-    Direction.NONE: None,
-}
+from flybench.direction import Direction
+from flybench.events import Events
 
 
 @dataclass(frozen=True, slots=True)

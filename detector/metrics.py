@@ -12,8 +12,9 @@ from bisect import bisect_left
 from collections.abc import Sequence
 
 from detector.errors import DetectorError
-from detector.estimate import Direction, MotionEstimate
-from detector.readings import GrmsOf
+from detector.estimate import MotionEstimate
+from detector.fly.model_variants import GrmsOf
+from flybench.direction import Direction
 
 Estimates = Sequence[MotionEstimate]
 Box = tuple[int, int, int, int]

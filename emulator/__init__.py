@@ -5,16 +5,17 @@
 `batch` and `crossings`, for all by `scan` and `pixel_step`), `arbiter`, and `aps`.
 """
 
-from emulator.aps import ApsFrame
-from emulator.aps_config import ApsConfig
-from emulator.arbiter import Readout
+from emulator.aps.config import ApsConfig
+from emulator.aps.frames import ApsFrame
 from emulator.biases import Bias, Biases, with_biases
 from emulator.config import SensorConfig
-from emulator.davis import Davis346, SensorOutput
-from emulator.errors import EmulatorError, EventError, FitError, FrameError, SensorConfigError
-from emulator.events import EVENT_DTYPE, Cause, Events, check_events, empty_events
-from emulator.images import luminance_of
+from emulator.errors import EmulatorError, FitError, FrameError, SensorConfigError
+from emulator.grey_levels import luminance_of
 from emulator.presets import preset
+from emulator.readout.arbiter import Readout
+from emulator.sensor import Davis346, SensorOutput
+from flybench.errors import EventError
+from flybench.events import EVENT_DTYPE, Cause, Events, check_events, empty_events
 
 __all__ = [
     "EVENT_DTYPE",

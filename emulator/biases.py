@@ -21,7 +21,8 @@ send others: a driver for ROS has OnBn (6, 200) and PrSFBp (1, 33), for a thresh
 follower twice as fast.
 
 No bias touches the noise: the rate of shot noise is a function of light alone
-(`emulator.noise`), where in a real pixel lower thresholds and a wider bandwidth let more through.
+(`emulator.pixel.noise`), where in a real pixel lower thresholds and a wider bandwidth let more
+through.
 """
 
 from __future__ import annotations
@@ -30,10 +31,10 @@ import math
 from dataclasses import dataclass, fields, replace
 from typing import Self
 
-from emulator._arguments import check_config
-from emulator._ranges import check_ranges
+from emulator.arguments import check_config
 from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
+from flybench.checks import Range, check_ranges
 
 COARSE_PA = (11.0, 94.0, 756.0, 6054.0, 48_437.0, 387_500.0, 3_100_000.0, 24_800_000.0)
 """Current of each coarse code [pA] (libcaer)."""
@@ -66,9 +67,10 @@ class Bias:
         check_ranges(
             self,
             {
-                "coarse": (0, 7, "each step is a factor of 8"),
-                "fine": (0, _FINE_STEPS, "it divides the coarse current"),
+                "coarse": Range(0, 7, remedy="Each step is a factor of 8."),
+                "fine": Range(0, _FINE_STEPS, remedy="It divides the coarse current."),
             },
+            SensorConfigError,
         )
 
     @property
@@ -114,10 +116,9 @@ class Biases:
                     f"the bias {each.name} is {bias!r}; allowed is a Bias; "
                     "give one, such as Bias(5, 255)"
                 )
-        positive = "OnBn must be well above DiffBn, and OffBn well below it"
-        check_ranges(
-            self, {"theta_on": (0.01, 10.0, positive), "theta_off": (0.01, 10.0, positive)}
-        )
+        theta = Range(0.01, 10.0, remedy="Set OnBn well above DiffBn, and OffBn well below it.")
+        for name in ("theta_on", "theta_off"):
+            theta.check(name, getattr(self, name), SensorConfigError)
 
     @classmethod
     def preset(cls, name: str) -> Self:

@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from emulator._ranges import check_ranges
-from emulator.aps_config import ApsConfig
+from emulator.aps.config import ApsConfig
 from emulator.errors import SensorConfigError
+from flybench.checks import Range, check_ranges
 
 UNLIMITED_HZ = 1e12
 """Words a second from which on the bus is taken to have no limit."""
@@ -26,37 +26,49 @@ REFERENCE_C = 25.0
 """Temperature of the chip at which dark current and leak are given [°C]."""
 
 _RANGES = {
-    "width": (1, 32767, "give whole pixels; events carry 16-bit coordinates"),
-    "height": (1, 32767, "give whole pixels; events carry 16-bit coordinates"),
-    "f_number": (0.5, 64.0, "give the lens aperture as focal length over diameter"),
-    "transmission": (0.01, 1.0, "give the share of the light that the lens lets through"),
-    "dark_lux": (
-        1e-6,
-        10.0,
-        "it must be positive, since it keeps the logarithm finite in the dark",
+    "width": Range(1, 32767, remedy="Give whole pixels; events carry 16-bit coordinates."),
+    "height": Range(1, 32767, remedy="Give whole pixels; events carry 16-bit coordinates."),
+    "f_number": Range(0.5, 64.0, remedy="Give the lens aperture as focal length over diameter."),
+    "transmission": Range(
+        0.01, 1.0, remedy="Give the share of the light that the lens lets through."
     ),
-    "theta_on": (0.01, 10.0, "give a change of ln(light), such as 0.18"),
-    "theta_off": (0.01, 10.0, "give a change of ln(light) as a positive number, such as 0.22"),
-    "theta_mismatch": (0.0, 1.0, "give a standard deviation in ln(light), such as 0.035"),
-    "bandwidth_hz_per_lux": (1e-3, 1e15, "give the cutoff that one lux on the chip allows"),
-    "bandwidth_limit_hz": (1e-3, 1e9, "1e9 stands for no limit"),
-    "follower_hz": (0.0, 1e9, "0 leaves the follower out"),
-    "refractory_us": (0, 1_000_000, "give whole microseconds, such as 3"),
-    "leak_hz": (0.0, 1000.0, "0 switches the leak in the dark off"),
-    "leak_hz_per_lux": (0.0, 1.0, "0 switches the leak by light off"),
-    "shot_noise_scale": (0.0, 1000.0, "0 switches shot noise off, 1 is as published"),
-    "temperature_c": (-60.0, 150.0, "give the temperature of the chip in °C, such as 25"),
-    "dark_doubling_k": (1.0, 100.0, "give the rise that doubles the dark current, such as 7"),
-    "leak_doubling_k": (1.0, 100.0, "give the rise that doubles the junction leak, such as 7"),
-    "readout_limit_hz": (1.0, 1e12, "1e12 stands for no limit"),
-    "readout_latency_us": (0, 1_000_000, "give whole microseconds, such as 1"),
-    "dead_fraction": (0.0, 1.0, "0 switches dead pixels off"),
-    "crazy_fraction": (0.0, 1.0, "0 switches crazy pixels off"),
-    "crazy_hz_min": (0.0, 100_000.0, "give the rate of the slowest crazy pixel"),
-    "crazy_hz_max": (0.0, 100_000.0, "give the rate of the fastest crazy pixel"),
-    "hot_fraction": (0.0, 1.0, "0 switches hot pixels off"),
-    "hot_hz_min": (0.0, 10_000.0, "give the rate of the slowest hot pixel"),
-    "hot_hz_max": (0.0, 10_000.0, "give the rate of the fastest hot pixel"),
+    "dark_lux": Range(
+        1e-6, 10.0, remedy="It must be positive, since it keeps the logarithm finite in the dark."
+    ),
+    "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(light), such as 0.18."),
+    "theta_off": Range(
+        0.01, 10.0, remedy="Give a change of ln(light) as a positive number, such as 0.22."
+    ),
+    "theta_mismatch": Range(
+        0.0, 1.0, remedy="Give a standard deviation in ln(light), such as 0.035."
+    ),
+    "bandwidth_hz_per_lux": Range(
+        1e-3, 1e15, remedy="Give the cutoff that one lux on the chip allows."
+    ),
+    "bandwidth_limit_hz": Range(1e-3, 1e9, remedy="1e9 stands for no limit."),
+    "follower_hz": Range(0.0, 1e9, remedy="0 leaves the follower out."),
+    "refractory_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 3."),
+    "leak_hz": Range(0.0, 1000.0, remedy="0 switches the leak in the dark off."),
+    "leak_hz_per_lux": Range(0.0, 1.0, remedy="0 switches the leak by light off."),
+    "shot_noise_scale": Range(0.0, 1000.0, remedy="0 switches shot noise off, 1 is as published."),
+    "temperature_c": Range(
+        -60.0, 150.0, remedy="Give the temperature of the chip in °C, such as 25."
+    ),
+    "dark_doubling_k": Range(
+        1.0, 100.0, remedy="Give the rise that doubles the dark current, such as 7."
+    ),
+    "leak_doubling_k": Range(
+        1.0, 100.0, remedy="Give the rise that doubles the junction leak, such as 7."
+    ),
+    "readout_limit_hz": Range(1.0, 1e12, remedy="1e12 stands for no limit."),
+    "readout_latency_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 1."),
+    "dead_fraction": Range(0.0, 1.0, remedy="0 switches dead pixels off."),
+    "crazy_fraction": Range(0.0, 1.0, remedy="0 switches crazy pixels off."),
+    "crazy_hz_min": Range(0.0, 100_000.0, remedy="Give the rate of the slowest crazy pixel."),
+    "crazy_hz_max": Range(0.0, 100_000.0, remedy="Give the rate of the fastest crazy pixel."),
+    "hot_fraction": Range(0.0, 1.0, remedy="0 switches hot pixels off."),
+    "hot_hz_min": Range(0.0, 10_000.0, remedy="Give the rate of the slowest hot pixel."),
+    "hot_hz_max": Range(0.0, 10_000.0, remedy="Give the rate of the fastest hot pixel."),
 }
 
 
@@ -90,7 +102,7 @@ class SensorConfig:
         leak_hz_per_lux: ON events that parasitic photocurrent adds per lux on the chip [Hz/lux].
             Fitted to Joubert 2021: 0.104 Hz ON at 161 lux and 0.172 Hz at 3 klux are, within
             1 %, 0.1 Hz + 2.4e-5 Hz/lux, as the leak of Nozaki 2017 grows with light.
-        shot_noise_scale: factor on the published shot noise rates (see `emulator.noise`).
+        shot_noise_scale: factor on the published shot noise rates (see `emulator.pixel.noise`).
         hot_fraction: share of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
         hot_hz_min: rate of the slowest hot pixel [Hz] (Joubert 2021).
         hot_hz_max: rate of the fastest hot pixel [Hz] (Joubert 2021).
@@ -142,22 +154,27 @@ class SensorConfig:
     aps: ApsConfig = field(default_factory=ApsConfig)
 
     def __post_init__(self) -> None:
-        check_ranges(self, _RANGES)
+        check_ranges(self, _RANGES, SensorConfigError)
         if not isinstance(self.aps, ApsConfig):
             raise SensorConfigError(
                 f"aps is {self.aps!r}; allowed is an ApsConfig; leave it out for the default one"
             )
+        self._check_pairs()
+
+    def _check_pairs(self) -> None:
+        """Check values that depend on others."""
+        warm_leak_hz = Range(
+            0.0,
+            _WARM_LEAK_HZ_MAX,
+            remedy="Lower leak_hz or temperature_c, or raise leak_doubling_k.",
+        )
+        warm_leak_hz.check("warm_leak_hz", self.warm_leak_hz, SensorConfigError)
+        hot_hz_max = Range(self.hot_hz_min, 10_000.0, remedy="It may not be below hot_hz_min.")
+        crazy_hz_max = Range(
+            self.crazy_hz_min, 100_000.0, remedy="It may not be below crazy_hz_min."
+        )
         check_ranges(
-            self,
-            {
-                "warm_leak_hz": (
-                    0.0,
-                    _WARM_LEAK_HZ_MAX,
-                    "lower leak_hz or temperature_c, or raise leak_doubling_k",
-                ),
-                "hot_hz_max": (self.hot_hz_min, 10_000.0, "it may not be below hot_hz_min"),
-                "crazy_hz_max": (self.crazy_hz_min, 100_000.0, "it may not be below crazy_hz_min"),
-            },
+            self, {"hot_hz_max": hot_hz_max, "crazy_hz_max": crazy_hz_max}, SensorConfigError
         )
 
     @property

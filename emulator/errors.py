@@ -1,7 +1,11 @@
-"""What the emulator refuses."""
+"""Errors that the emulator raises on bad input."""
+
+from __future__ import annotations
+
+from flybench.errors import FlybenchError
 
 
-class EmulatorError(ValueError):
+class EmulatorError(FlybenchError):
     """Base of all errors that the emulator raises on bad input."""
 
 
@@ -15,7 +19,3 @@ class FrameError(EmulatorError):
 
 class FitError(EmulatorError):
     """What is known of a recording besides its events cannot be."""
-
-
-class EventError(EmulatorError):
-    """An event array is not a sorted stream of `EVENT_DTYPE` from this sensor."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal, get_args
 
-from emulator.aps_config import ApsConfig
+from emulator.aps.config import ApsConfig
 from emulator.config import UNLIMITED_HZ, SensorConfig
 from emulator.errors import SensorConfigError
-from emulator.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
+from emulator.pixel.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
 
 PresetName = Literal["davis346", "davis240", "dvs128", "ideal", "v2e_clean", "v2e_noisy"]
 """Names that `preset` knows."""

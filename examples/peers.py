@@ -22,7 +22,8 @@ import numpy as np
 import tonic
 from matplotlib.figure import Figure
 
-from emulator import Davis346, Events, SensorConfig
+from emulator import Davis346, SensorConfig
+from flybench.events import Events
 from formats import open_events, open_writer
 
 TAU_US = 10_000.0

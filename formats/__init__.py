@@ -6,7 +6,7 @@
 
 from formats.errors import FormatError, MissingLibraryError
 from formats.event_file import Chunk, EventFile, Found, open_events, read_events
-from formats.magic import FORMATS
+from formats.identify import FORMATS
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
 

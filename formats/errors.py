@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from flybench.errors import FlybenchError
 
-class FormatError(ValueError):
+
+class FormatError(FlybenchError):
     """An event file cannot be read or written: the file, where in it, why, and what to do."""
 
 

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from emulator import ApsFrame
-from emulator.events import EVENT_DTYPE, Events, empty_events, joined
+from flybench.events import EVENT_DTYPE, Events, empty_events, joined
+from formats.columns import SIDE_MAX, UNITS_US, Options
 from formats.errors import FormatError
-from formats.guard import Guard
-from formats.magic import FORMATS, check_file, format_of
-from formats.raw import SIDE_MAX, UNITS_US, Options
-from formats.worker import FRAME
+from formats.identify import FORMATS, check_file, format_of
+from formats.isolated_reader import Guard
+from formats.parser_process import FRAME
 
 _FRAMES_PENDING = 32
 """Frames that wait for events which reach their end (assumed)."""

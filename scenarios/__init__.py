@@ -1,1 +1,38 @@
-"""What people run: the commands, and all that knows every stage at once."""
+"""The commands of flybench, and everything that needs several packages at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flybench.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from scenarios.errors import OutputError as OutputError
+    from scenarios.errors import ScenarioError as ScenarioError
+    from scenarios.pipeline.event_camera import (
+        EventCamera as EventCamera,
+    )
+    from scenarios.pipeline.event_camera import (
+        MotionWarning as MotionWarning,
+    )
+
+_MODULES = {
+    "scenarios.errors": (
+        "OutputError",
+        "ScenarioError",
+    ),
+    "scenarios.pipeline.event_camera": (
+        "EventCamera",
+        "MotionWarning",
+    ),
+}
+
+__all__ = [
+    "EventCamera",
+    "MotionWarning",
+    "OutputError",
+    "ScenarioError",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazy_names(__name__, _MODULES)

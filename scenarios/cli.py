@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 from tyro.conf import subcommand
 
-from scenarios.characterise import Characterise
-from scenarios.converge import Converge
-from scenarios.demo import Demo
-from scenarios.detect.command import Detect
-from scenarios.doctor import Doctor
-from scenarios.emulate.command import Emulate
-from scenarios.envelope.command import Envelope
-from scenarios.run import Run
-from scenarios.study.command import Study
-from scenarios.sweep.command import Sweep
-from scenarios.terminal import script
-from scenarios.velocity_sweep import VelocitySweep
-from scenarios.view import View
+from flybench.version import __version__
+from scenarios.commands.characterise import Characterise
+from scenarios.commands.converge import Converge
+from scenarios.commands.demo import Demo
+from scenarios.commands.detect import Detect
+from scenarios.commands.doctor import Doctor
+from scenarios.commands.emulate import Emulate
+from scenarios.commands.envelope import Envelope
+from scenarios.commands.run import Run
+from scenarios.commands.study import Study
+from scenarios.commands.sweep import Sweep
+from scenarios.commands.velocity_sweep import VelocitySweep
+from scenarios.commands.view import View
+from scenarios.output.terminal import script
 
 Commands = (
     Annotated[Run, subcommand("run")]
@@ -37,7 +39,10 @@ Commands = (
 
 
 def main() -> None:
-    """Entry point of `flybench`."""
+    """Run `flybench`."""
+    if sys.argv[1:] == ["--version"]:
+        print(f"flybench {__version__}")
+        return
     script(Commands)
 
 

@@ -1,44 +1,45 @@
 """The photometric scene: a vehicle crosses a street, in cd/m², with its ground truth."""
 
-from sim.cache import LightCache
-from sim.camera import Intrinsics, Pose, project
-from sim.config import CrossingConfig, Direction, Lighting, omega_from_speed
+from flybench.direction import Direction
+from sim.cache.luminance_cache import LuminanceCache
+from sim.config import CrossingConfig, Lighting, omega_from_speed
 from sim.crossing import Crossing, Sample
-from sim.distractors import Distractors, Pavement, VehicleKind, Way
+from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 from sim.errors import RendererError, SceneConfigError, SimError
 from sim.event_truth import EventTruth, event_truth
+from sim.geometry.pinhole import Intrinsics, Pose, project
+from sim.motion.trajectory import Profile, Trajectory
 from sim.photometric_camera import PhotometricCamera, open_model
 from sim.preview import Preview, preview_jpegs
-from sim.scene_geometry import SceneGeometry
-from sim.trajectory import Profile, Trajectory
-from sim.truth import GroundTruth, ObjectTruth
-from sim.witness import Witness
+from sim.truth.dense_truth import DenseTruth
+from sim.truth.ground_truth import GroundTruth, ObjectTruth
+from sim.truth.probe import TruthProbe
 
 __all__ = [
     "Crossing",
     "CrossingConfig",
+    "DenseTruth",
     "Direction",
     "Distractors",
     "EventTruth",
     "GroundTruth",
     "Intrinsics",
-    "LightCache",
     "Lighting",
+    "LuminanceCache",
     "ObjectTruth",
     "Pavement",
     "PhotometricCamera",
     "Pose",
     "Preview",
     "Profile",
+    "RelativeDirection",
     "RendererError",
     "Sample",
     "SceneConfigError",
-    "SceneGeometry",
     "SimError",
     "Trajectory",
+    "TruthProbe",
     "VehicleKind",
-    "Way",
-    "Witness",
     "event_truth",
     "omega_from_speed",
     "open_model",

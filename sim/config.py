@@ -6,10 +6,11 @@ from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from sim.checks import Range, check_ranges, member
-from sim.distractors import Distractors, Pavement, VehicleKind, Way
+from flybench.checks import Range, check_ranges, member
+from flybench.direction import Direction
+from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 from sim.errors import SceneConfigError
-from sim.trajectory import Profile
+from sim.motion.trajectory import Profile
 
 
 class Lighting(StrEnum):
@@ -18,15 +19,6 @@ class Lighting(StrEnum):
     DAY = "day"
     DUSK = "dusk"
     NIGHT = "night"
-
-
-class Direction(StrEnum):
-    """Where the vehicle goes in the image."""
-
-    RIGHT = "right"
-    LEFT = "left"
-    UP = "up"
-    DOWN = "down"
 
 
 DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
@@ -96,13 +88,16 @@ class CrossingConfig:
 
     def __post_init__(self) -> None:
         for name, kind in _MEMBERS.items():
-            object.__setattr__(self, name, member(kind, name, getattr(self, name)))
-        check_ranges(RANGES, self.resolved())
+            value = member(
+                kind, name, getattr(self, name), SceneConfigError, without=(Direction.NONE,)
+            )
+            object.__setattr__(self, name, value)
+        check_ranges(self, RANGES, SceneConfigError)
         self._check_the_walker()
 
     def _check_the_walker(self) -> None:
         near = self.distractors.pedestrian_pavement is Pavement.NEAR
-        walks = self.distractors.pedestrian is not Way.NONE
+        walks = self.distractors.pedestrian is not RelativeDirection.NONE
         if walks and near and self.distance < WALKER_DISTANCE_M:
             raise SceneConfigError(
                 f"distance_m is {self.distance!r} and a pedestrian walks on the near pavement, "
@@ -139,19 +134,25 @@ _MEMBERS: dict[str, Any] = {
 }
 
 RANGES: dict[str, Range] = {
-    "omega_rad_s": Range(0.05, 10.0, "rad/s", "for motion the other way, give another direction"),
-    "paint_reflectance": Range(0.04, 0.8, "", "0.04 is black paint and 0.8 white"),
-    "distance_m": Range(
-        3.0, 12.0, "m", "nearer, the vehicle would drive over the camera's pavement"
+    "omega_rad_s": Range(
+        0.05, 10.0, "rad/s", remedy="For motion the other way, give another direction."
     ),
-    "illuminance_lux": Range(0.1, 100_000.0, "lux"),
-    "sun_azimuth_deg": Range(-180.0, 180.0, "deg", "add or subtract 360"),
-    "sun_elevation_deg": Range(5.0, 90.0, "deg", "for a lower sun, choose dusk"),
-    "street_seed": Range(0, 2**32 - 1, "whole"),
+    "paint_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 white."),
+    "distance_m": Range(
+        3.0,
+        12.0,
+        "m",
+        optional=True,
+        remedy="Nearer, the vehicle would drive over the camera's pavement.",
+    ),
+    "illuminance_lux": Range(0.1, 100_000.0, "lux", optional=True),
+    "sun_azimuth_deg": Range(-180.0, 180.0, "deg", remedy="Add or subtract 360."),
+    "sun_elevation_deg": Range(5.0, 90.0, "deg", remedy="For a lower sun, choose dusk."),
+    "street_seed": Range(0, 2**32 - 1),
     "lead_s": Range(0.05, 10.0, "s"),
     "step_px": Range(0.05, 8.0, "px"),
     "max_step_ms": Range(0.1, 20.0, "ms"),
-    "supersample": Range(1, 8, "whole"),
+    "supersample": Range(1, 8),
     "keyframe_px": Range(1.0, 128.0, "px"),
 }
 

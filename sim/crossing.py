@@ -12,25 +12,26 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.cache import LightCache, LightStream
-from sim.camera import Intrinsics
-from sim.config import CrossingConfig, Direction
+from flybench.direction import Direction
+from sim.cache.key import luminance_key
+from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
+from sim.cache.luminance_file import Light
+from sim.config import CrossingConfig
 from sim.errors import SceneConfigError
-from sim.light_file import Light
-from sim.light_key import light_key
-from sim.luminance_model import luminance_model
-from sim.mains import Mains
-from sim.memory import give_back_large
-from sim.moving_light import LightReach
-from sim.renderer import FilamentRenderer, Luminance
-from sim.reprojection import Drawn, Reprojection
-from sim.rest_lens import rest_lens
-from sim.sampling import sample_times_us
-from sim.scene import Scene, build_scene
-from sim.scene_geometry import RATE_STEP_S
-from sim.truth import GroundTruth
-from sim.windows import Window, hull, points_window, whole
-from sim.witness import Witness
+from sim.geometry.pinhole import Intrinsics
+from sim.geometry.rectangles import Rectangle, hull, points_rectangle, whole
+from sim.keyframes.reprojection import Drawn, Reprojection
+from sim.keyframes.steady_lens import steady_lens
+from sim.motion.sample_times import sample_times_us
+from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.free_memory import return_large_blocks
+from sim.render.luminance_model import luminance_model
+from sim.scene.lamp_flicker import FlickeringLamps
+from sim.scene.scene import Scene, build_scene
+from sim.shadows.moving_light import LightReach
+from sim.truth.dense_truth import RATE_STEP_S
+from sim.truth.ground_truth import GroundTruth
+from sim.truth.probe import TruthProbe
 
 BEAM_STEP = 4
 """The beams alone have no edge sharper than some pixels, so they may move farther in a step
@@ -47,14 +48,14 @@ class Sample:
         t_us: time since the start of the sequence [µs].
         luminance: (height, width) float32 [cd/m²]; the mean over each pixel.
         truth: of everything that moves, the target first.
-        changed: x0, y0, x1, y1 of a window outside of which the light is exactly as at the sample
-            before, half-open [px].
+        changed: x0, y0, x1, y1 of a rectangle outside of which the light is exactly as at the
+            sample before, half-open [px].
     """
 
     t_us: int
     luminance: Luminance
     truth: GroundTruth
-    changed: Window
+    changed: Rectangle
 
 
 class Crossing:
@@ -65,7 +66,7 @@ class Crossing:
         config: CrossingConfig,
         intrinsics: Intrinsics | None = None,
         *,
-        cache: LightCache | None = None,
+        cache: LuminanceCache | None = None,
     ) -> None:
         """Compose the scene and plan the motion; nothing is drawn yet.
 
@@ -77,7 +78,7 @@ class Crossing:
         Raises:
             SceneConfigError: the lead time asks for more than the profile can give.
         """
-        give_back_large()
+        return_large_blocks()
         self.config, self.cache = config, cache
         self.intrinsics = intrinsics or Intrinsics()
         self.scene: Scene = build_scene(config)
@@ -123,7 +124,7 @@ class Crossing:
         )
 
     def samples(self, times_us: Sequence[int] | None = None) -> Iterator[Sample]:
-        """The sequence, from keyframes; see `sim.reprojection`.
+        """The sequence, from keyframes; see `sim.keyframes.reprojection`.
 
         Args:
             times_us: increasing, instead of `times_us()` [µs].
@@ -141,9 +142,9 @@ class Crossing:
                 f"the times of the samples are {len(times)} numbers that do not rise from 0 or "
                 "more; allowed is at least one, each later than the one before; sort them"
             )
-        witness = Witness(self.scene, self.intrinsics)
+        probe = TruthProbe(self.scene, self.intrinsics)
         for light in self._kept_light(times):
-            truth = witness.at(light.t_us, self.seconds(light.t_us), light.body)
+            truth = probe.at(light.t_us, self.seconds(light.t_us), light.body)
             yield Sample(light.t_us, light.luminance, truth, light.changed)
 
     def draw_ahead(self) -> Iterator[int]:
@@ -167,25 +168,25 @@ class Crossing:
                     return
                 yield light.t_us
 
-    def _kept_light(self, times_us: Sequence[int]) -> LightStream:
+    def _kept_light(self, times_us: Sequence[int]) -> LuminanceStream:
         """From the cache where there is one."""
         if self.cache is None:
             return self._light(times_us)
         return self.cache.light(
-            light_key(self.config, self.scene.model, self.intrinsics, times_us),
+            luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
             lambda: self._light(times_us),
         )
 
-    def _light(self, times_us: Sequence[int]) -> LightStream:
+    def _light(self, times_us: Sequence[int]) -> LuminanceStream:
         with self.from_keyframes(times_us) as draw:
             before = [whole(self.intrinsics)]
             for t_us in times_us:
                 drawn = draw(t_us)
-                changed = hull(before + drawn.windows)
+                changed = hull(before + drawn.rectangles)
                 yield Light(t_us, drawn.luminance, drawn.visible.body, changed)
-                before = drawn.windows
+                before = drawn.rectangles
 
     @contextmanager
     def from_keyframes(self, times_us: Sequence[int]) -> Iterator[Callable[[int], Drawn]]:
@@ -199,7 +200,7 @@ class Crossing:
             RendererError: this machine cannot render.
         """
         model = luminance_model(self.scene.model)
-        lens = rest_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
+        lens = steady_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
         with FilamentRenderer(model, lens) as renderer:
             drawing = Reprojection(
                 renderer,
@@ -216,7 +217,7 @@ class Crossing:
 
     @contextmanager
     def full_frames(
-        self, supersample: int | None = None, window: Window | None = None
+        self, supersample: int | None = None, rectangle: Rectangle | None = None
     ) -> Iterator[Callable[[int], Luminance]]:
         """Give a function that draws the image at a time [µs], nothing taken over.
 
@@ -225,14 +226,14 @@ class Crossing:
 
         Args:
             supersample: rendered pixels per sensor pixel and axis; the configuration's if None.
-            window: which pixels; all if None.
+            rectangle: which pixels; all if None.
 
         Raises:
             RendererError: this machine cannot render.
         """
         scene, model = self.scene, luminance_model(self.scene.model)
-        mains = Mains(scene.mains_lights, scene.mains_materials)
-        pixels = window or whole(self.intrinsics)
+        mains = FlickeringLamps(scene.flickering_lights, scene.flickering_materials)
+        pixels = rectangle or whole(self.intrinsics)
         size = supersample or self.config.supersample
         with FilamentRenderer(model, self.intrinsics) as renderer:
             data = mujoco.MjData(model)
@@ -240,7 +241,7 @@ class Crossing:
             def draw(t_us: int) -> Luminance:
                 t_s = self.seconds(t_us)
                 scene.place(data, t_s)
-                with mains.scaled(model, scene.mains_factor(t_s)):
+                with mains.scaled(model, scene.flicker_factor(t_s)):
                     renderer.update(data)
                     return renderer.luminance(scene.pose_at(t_s), pixels, supersample=size)
 
@@ -265,7 +266,7 @@ class Crossing:
         return max(sharp, self.scene.fastest_px_s(t_s, focal_px, lit) / BEAM_STEP)
 
     def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
-        return points_window(corners_m, self.scene.pose, self.intrinsics) is not None
+        return points_rectangle(corners_m, self.scene.pose, self.intrinsics) is not None
 
     def _half_view_rad(self) -> float:
         level = self.config.direction in (Direction.RIGHT, Direction.LEFT)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from sim.checks import Range, check_ranges, member
+from flybench.checks import Range, check_ranges, member
 from sim.errors import SceneConfigError
 
 
-class Way(StrEnum):
+class RelativeDirection(StrEnum):
     """Whether something is there, and which way it goes compared with the target."""
 
     NONE = "none"
@@ -64,12 +64,12 @@ class Distractors:
     """
 
     wind_grade: int = 0
-    far_vehicle: Way = Way.NONE
+    far_vehicle: RelativeDirection = RelativeDirection.NONE
     far_vehicle_kind: VehicleKind = VehicleKind.SEDAN
     far_vehicle_speed_m_s: float = 10.0
     far_vehicle_lag_s: float = 0.0
     far_vehicle_reflectance: float = 0.25
-    pedestrian: Way = Way.NONE
+    pedestrian: RelativeDirection = RelativeDirection.NONE
     pedestrian_pavement: Pavement = Pavement.FAR
     pedestrian_speed_m_s: float = 1.4
     pedestrian_lag_s: float = 0.0
@@ -81,8 +81,10 @@ class Distractors:
 
     def __post_init__(self) -> None:
         for name, kind in _MEMBERS.items():
-            object.__setattr__(self, name, member(kind, name, getattr(self, name)))
-        check_ranges(RANGES, {name: getattr(self, name) for name in RANGES})
+            object.__setattr__(
+                self, name, member(kind, name, getattr(self, name), SceneConfigError)
+            )
+        check_ranges(self, RANGES, SceneConfigError)
         if self.flicker_hz not in MAINS_HZ:
             raise SceneConfigError(
                 f"flicker_hz is {self.flicker_hz!r}; allowed is one of 0, 100 and 120 Hz, twice "
@@ -101,21 +103,23 @@ class Distractors:
 
 
 _MEMBERS: dict[str, Any] = {
-    "far_vehicle": Way,
+    "far_vehicle": RelativeDirection,
     "far_vehicle_kind": VehicleKind,
-    "pedestrian": Way,
+    "pedestrian": RelativeDirection,
     "pedestrian_pavement": Pavement,
 }
 
 RANGES: dict[str, Range] = {
-    "wind_grade": Range(0, 8, "whole", "above it, branches break"),
-    "far_vehicle_speed_m_s": Range(0.5, 40.0, "m/s", "for the other way, set far_vehicle"),
+    "wind_grade": Range(0, 8, remedy="Above it, branches break."),
+    "far_vehicle_speed_m_s": Range(0.5, 40.0, "m/s", remedy="For the other way, set far_vehicle."),
     "far_vehicle_lag_s": Range(-60.0, 60.0, "s"),
-    "far_vehicle_reflectance": Range(0.04, 0.8, "", "black paint to white"),
-    "pedestrian_speed_m_s": Range(0.3, 2.5, "m/s", "faster ones run, and no gait here does"),
+    "far_vehicle_reflectance": Range(0.04, 0.8, remedy="Black paint to white."),
+    "pedestrian_speed_m_s": Range(
+        0.3, 2.5, "m/s", remedy="Faster ones run, and no gait here does."
+    ),
     "pedestrian_lag_s": Range(-60.0, 60.0, "s"),
     "shake_rms_deg": Range(0.0, 3.0, "deg"),
     "shake_corner_hz": Range(0.5, 50.0, "Hz"),
-    "flicker_depth": Range(0.0, 1.0, ""),
-    "seed": Range(0, 2**32 - 1, "whole"),
+    "flicker_depth": Range(0.0, 1.0),
+    "seed": Range(0, 2**32 - 1),
 }

@@ -1,7 +1,11 @@
-"""What the simulator refuses."""
+"""Errors that the simulator raises on bad input."""
+
+from __future__ import annotations
+
+from flybench.errors import FlybenchError
 
 
-class SimError(ValueError):
+class SimError(FlybenchError):
     """Base of all errors that the simulator raises on bad input."""
 
 

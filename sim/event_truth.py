@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from kernels import compiled
-from sim.aperture import REACH_PX
+from flybench.kernels import compiled
 from sim.crossing import Crossing
 from sim.errors import SimError
-from sim.flow import flow_px_s
-from sim.scene_geometry import BACKGROUND, SceneGeometry
-from sim.visible import Visible
+from sim.raster.aperture import REACH_PX
+from sim.raster.flow import flow_px_s
+from sim.raster.visibility import Visible
+from sim.truth.dense_truth import BACKGROUND, DenseTruth
 
 NOISE = -2
 """Source of an event that no light caused."""
@@ -92,7 +92,7 @@ def event_truth(
     flow = np.full((len(events), 2), np.nan, np.float32)
     chosen = events[lit]
     times_us, columns, rows = (np.ascontiguousarray(chosen[name]) for name in "txy")
-    geometry = SceneGeometry(crossing.scene, crossing.intrinsics)
+    geometry = DenseTruth(crossing.scene, crossing.intrinsics)
     past = _Past(crossing.intrinsics.height, crossing.intrinsics.width)
     for start_us, end_us in _spans(crossing, times_us, memory_us, within_px):
         middle_us = (start_us + end_us) // 2

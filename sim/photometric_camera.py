@@ -18,16 +18,16 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim import flow
-from sim.camera import Pose
 from sim.errors import RendererError, SceneConfigError
-from sim.luminance_model import luminance_model
-from sim.model_camera import camera_intrinsics, camera_number
-from sim.moves import body_poses, followed_by
-from sim.renderer import FilamentRenderer, Luminance
-from sim.scene_geometry import RATE_STEP_S
-from sim.triangles import Soup, triangle_soup
-from sim.visible import Visible, look
+from sim.geometry.pinhole import Pose
+from sim.geometry.rigid_transform import body_poses, compose_transforms
+from sim.raster import flow
+from sim.raster.triangles import Soup, triangle_soup
+from sim.raster.visibility import Visible, look
+from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.luminance_model import luminance_model
+from sim.render.model_camera import camera_intrinsics, camera_number
+from sim.truth.dense_truth import RATE_STEP_S
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -143,7 +143,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
     def _views(self, data: mujoco.MjData, ahead_s: float) -> F64:
         """(bodies, 3, 4) from each body's frame into the camera's, a little later."""
         self._take(data, ahead_s)
-        return followed_by(body_poses(self._data), self._pose().into)
+        return compose_transforms(body_poses(self._data), self._pose().into)
 
     def _take(self, data: mujoco.MjData, ahead_s: float = 0.0) -> None:
         """Work out where everything is; after `mj_step`, `data` itself is one step late."""

@@ -12,12 +12,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.cache.key import luminance_key
 from sim.crossing import Crossing
-from sim.facade_style import LIT_WINDOW
-from sim.light import SKY_TEXTURE
-from sim.light_key import light_key
-from sim.renderer import FilamentRenderer
-from sim.scene import Scene
+from sim.render.filament import FilamentRenderer
+from sim.scene.facade_style import LIT_WINDOW
+from sim.scene.lighting import SKY_TEXTURE
+from sim.scene.scene import Scene
 
 PREVIEW_LUX = 60_000.0
 """What the preview's eye is adapted to (by eye)."""
@@ -88,7 +88,7 @@ def preview_jpegs(crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
 
     if crossing.cache is None:
         return list(_drawn(crossing, times_us))
-    light = light_key(crossing.config, crossing.scene.model, crossing.intrinsics, times_us)
+    light = luminance_key(crossing.config, crossing.scene.model, crossing.intrinsics, times_us)
     key = hashlib.sha256(f"previews of {light}".encode()).hexdigest()
     return _parted(crossing.cache.kept(key, draw))
 

@@ -1,59 +1,123 @@
-"""The structure: sim → emulator → detector → scenarios, formats beside; one owner a library."""
+"""The structure: which package and which folder may import which, and who owns a heavy library."""
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parent.parent
-ROOMS = ("sim", "emulator", "detector", "formats", "scenarios")
-SHARED = {"emulator.events", "emulator.errors"}
-"""What a detector may take from the emulator: the events, and what is wrong with them."""
+PACKAGES = ("flybench", "sim", "emulator", "detector", "formats", "scenarios")
+
+ALLOWED = {
+    "flybench": set(),
+    "sim": {"flybench"},
+    "emulator": {"flybench"},
+    "detector": {"flybench"},
+    "formats": {"flybench", "emulator"},
+    "scenarios": {"flybench", "sim", "emulator", "detector", "formats"},
+}
+"""What each package may import. The front door, `flybench/__init__.py`, is left out."""
+
+LAYERS = {
+    "sim": (
+        "errors geometry raster motion distractors config scene render truth cache shadows "
+        "keyframes crossing event_truth photometric_camera preview"
+    ),
+    "emulator": (
+        "errors aps.config config arguments biases readout.event_keys luminance_frames "
+        "grey_levels readout pixel presets aps thread_pool sensor characterisation"
+    ),
+    "detector": (
+        "errors estimate event_checks windowed fly metrics frame_fly contrast_maximisation "
+        "plane_fit"
+    ),
+    "formats": (
+        "errors columns identify readers parser_process isolated_reader event_file writers"
+    ),
+    "scenarios": (
+        "errors options output pipeline recording runs datasheet convergence detect emulate "
+        "envelope sweep study commands cli"
+    ),
+}
+"""Folders and modules inside a package, lowest first. Each may import those before it.
+
+A module of a folder may stand apart from it, such as `aps.config`.
+"""
 
 
-def imports(room: str) -> Iterator[tuple[Path, str]]:
-    for path in sorted((ROOT / room).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                yield from ((path, alias.name) for alias in node.names)
-            elif isinstance(node, ast.ImportFrom) and node.module:
-                yield path, node.module
+def imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+
+
+def sources(folder: str) -> Iterator[tuple[Path, str]]:
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        yield from ((path.relative_to(ROOT), name) for name in imports(path))
 
 
 @pytest.mark.parametrize(("library", "owner"), [("mujoco", "sim"), ("rerun", "scenarios")])
-def test_only_one_room_imports_a_heavy_library(library: str, owner: str) -> None:
-    users = {room for room in ROOMS for _, name in imports(room) if name.split(".")[0] == library}
+def test_only_one_package_imports_a_heavy_library(library: str, owner: str) -> None:
+    users = {p for p in PACKAGES for _, name in sources(p) if name.split(".")[0] == library}
     assert users == {owner}
 
 
-@pytest.mark.parametrize(
-    ("room", "others"),
-    [
-        ("kernels", {"sim", "emulator", "detector", "formats", "scenarios"}),
-        ("sim", {"emulator", "detector", "formats", "scenarios"}),
-        ("emulator", {"sim", "detector", "formats", "scenarios"}),
-        ("detector", {"sim", "formats", "scenarios"}),
-        ("formats", {"sim", "detector", "scenarios"}),
-    ],
-)
-def test_arrows_point_one_way(room: str, others: set[str]) -> None:
-    wrong = [(path.name, name) for path, name in imports(room) if name.split(".")[0] in others]
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_import_one_way(package: str) -> None:
+    others = set(PACKAGES) - ALLOWED[package] - {package}
+    front_door = {Path("flybench/__init__.py"), Path("flybench/__main__.py")}
+    wrong = [
+        (path, name)
+        for path, name in sources(package)
+        if name.split(".")[0] in others and path not in front_door
+    ]
     assert wrong == []
 
 
-def test_the_detector_knows_events_and_nothing_else_of_the_emulator() -> None:
-    used = {name for _, name in imports("detector") if name.split(".")[0] == "emulator"}
-    assert used <= SHARED
+@pytest.mark.parametrize("package", LAYERS)
+def test_folders_import_one_way(package: str) -> None:
+    layers = LAYERS[package].split()
 
+    def layer(name: str) -> int:
+        """Place of a dotted name below the package: the longest entry that it begins with."""
+        found = [entry for entry in layers if f"{name}.".startswith(f"{entry}.")]
+        assert found, f"{package}.{name} is in no layer; add it to LAYERS"
+        return layers.index(max(found, key=len))
 
-def test_files_know_events_and_frames_and_nothing_else_of_the_emulator() -> None:
-    used = {name for _, name in imports("formats") if name.split(".")[0] == "emulator"}
-    assert used <= SHARED | {"emulator"}  # ApsFrame is what the package itself gives
+    wrong = []
+    for path, name in sources(package):
+        own = ".".join(path.with_suffix("").parts[1:]).removesuffix(".__init__")
+        theirs = name.removeprefix(f"{package}.")
+        if own == "__init__" or not name.startswith(f"{package}."):
+            continue
+        if layer(theirs) > layer(own):
+            wrong.append(f"{path} imports {name}")
+    assert wrong == []
 
 
 def test_what_parses_files_imports_nothing_of_the_bench() -> None:
-    parsers = {ROOT / "formats" / f"{name}.py" for name in ("errors", "magic", "raw", "worker")}
-    parsers |= set((ROOT / "formats" / "readers").glob("*.py"))
-    used = {name.split(".")[0] for path, name in imports("formats") if path in parsers}
-    assert not used & {"emulator", "detector", "sim", "scenarios"}
+    names = ("errors", "identify", "columns", "parser_process")
+    parsers = {Path("formats") / f"{name}.py" for name in names}
+    parsers |= {path.relative_to(ROOT) for path in (ROOT / "formats" / "readers").glob("*.py")}
+    used = {name for path, name in sources("formats") if path in parsers}
+    used = {name for name in used if name.split(".")[0] in PACKAGES}
+    assert {name for name in used if not name.startswith("formats.")} == {"flybench.errors"}
+
+
+@pytest.mark.parametrize("package", ["flybench", "emulator", "detector", "formats", "scenarios"])
+def test_a_package_loads_no_heavy_library_that_it_does_not_need(package: str) -> None:
+    heavy = {"mujoco", "rerun", "pyarrow", "matplotlib", "tyro", "rich"}
+    script = f"import sys, {package}; print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
+
+
+def test_no_folder_holds_more_than_fifteen_modules() -> None:
+    folders = {path.parent for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    counts = {f: len([p for p in f.glob("*.py") if p.name != "__init__.py"]) for f in folders}
+    assert {f: n for f, n in counts.items() if n > 15} == {}

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from emulator.aps import ApsFrame
+from emulator.aps.frames import ApsFrame
 from emulator.config import UNLIMITED_HZ, SensorConfig
-from emulator.davis import Davis346
-from emulator.events import Events, joined
-from emulator.optics import lux_per_cd_m2
+from emulator.pixel.optics import lux_per_cd_m2
+from emulator.sensor import Davis346
+from flybench.events import Events, joined
 
 REFLECTANCE = 0.18
 """Of the card (assumed: photographic grey, since the sources name only the light on the scene)."""

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 
-from emulator._arguments import check_config, check_seed
-from emulator.characterisation import (
+from emulator.arguments import check_config, check_seed
+from emulator.characterisation.comparison import DVS128, chip_of, compared
+from emulator.characterisation.experiments import (
     arbiter,
     background,
     bandwidth,
@@ -19,7 +20,6 @@ from emulator.characterisation import (
     refractory,
     s_curve,
 )
-from emulator.characterisation.comparison import DVS128, chip_of, compared
 from emulator.characterisation.section import Section
 from emulator.config import SensorConfig
 

@@ -15,11 +15,11 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
-from emulator.characterisation._size import check_size
-from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
+from emulator.characterisation.experiments.background import hot_pixels
+from emulator.characterisation.recording_size import check_size
 from emulator.errors import FitError
-from emulator.events import Events, check_events
+from flybench.events import Events, check_events
 
 Floats = npt.NDArray[np.float64]
 

@@ -16,9 +16,10 @@ What can be known, and what not:
   static recording gives θ_on up to that factor, hence the mismatch relative to the threshold.
 - θ_off, never, whatever the method: on a static scene nothing moves a pixel towards it, since leak
   drifts the other way, and shot noise is a process in time whose rate follows the light and not
-  the threshold (`emulator.noise`). Two sensors that differ in θ_off alone give one and the same
-  static recording, event for event (a test holds that), so that no function of it can tell them
-  apart. It takes a known modulation: `emulator.characterisation.ramp_fit` gives both thresholds.
+  the threshold (`emulator.pixel.noise`). Two sensors that differ in θ_off alone give one and the
+  same static recording, event for event (a test holds that), so that no function of it can tell
+  them apart. It takes a known modulation: `emulator.characterisation.ramp_fit` gives both
+  thresholds.
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
-from emulator.characterisation._size import check_size
-from emulator.characterisation.background import hot_pixels
 from emulator.characterisation.bench import counts
+from emulator.characterisation.experiments.background import hot_pixels
+from emulator.characterisation.recording_size import check_size
 from emulator.errors import FitError
-from emulator.events import Events, check_events
+from flybench.events import Events, check_events
 
 _LIKE = 0.02
 """How far equally long waits may differ (assumed: leak is a clock to within 2 %)."""

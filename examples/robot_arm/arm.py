@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 from matplotlib.figure import Figure
 
-from detector.fly import FlyDetector
-from scenarios.event_camera import EventCamera
+from detector.fly.detector import FlyDetector
+from scenarios.pipeline.event_camera import EventCamera
 from sim import open_model
 
 MODEL = Path(__file__).with_name("arm.xml")

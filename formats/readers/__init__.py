@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from formats.raw import Options, Reading
+from formats.columns import Options, Reading
 
 Reader = Callable[[Path, Options], Reading]
 

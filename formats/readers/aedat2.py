@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from formats.columns import Array, Columns, Head, Item, Options, Reading, Size
 from formats.errors import FormatError
-from formats.raw import Array, Columns, Head, Item, Options, Reading, Size
 from formats.readers.aedat_header import read_header
 
 _RECORD = np.dtype([("address", ">u4"), ("t", ">u4")])

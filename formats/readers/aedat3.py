@@ -10,8 +10,8 @@ from typing import BinaryIO
 
 import numpy as np
 
+from formats.columns import Columns, Head, Item, Options, Reading, Size
 from formats.errors import FormatError
-from formats.raw import Columns, Head, Item, Options, Reading, Size
 from formats.readers.aedat_header import read_header
 
 _PACKET_HEAD = struct.Struct("<hhiiiiii")

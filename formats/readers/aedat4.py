@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from formats.columns import Columns, Head, Item, Options, RawFrame, Reading
 from formats.errors import FormatError, MissingLibraryError
-from formats.raw import Columns, Head, Item, Options, RawFrame, Reading
 
 _MAGIC_BYTES = 14
 _PACKET_HEAD = struct.Struct("<iI")

@@ -10,8 +10,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from formats.columns import Array, Columns, Head, Item, Options, Reading, Size, microseconds
 from formats.errors import FormatError
-from formats.raw import Array, Columns, Head, Item, Options, Reading, Size, microseconds
 
 NAMES = {
     "t": ("t", "ts", "time", "times", "timestamp", "timestamps", "t_us", "time_us"),

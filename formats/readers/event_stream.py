@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from formats.columns import Columns, Head, Item, Options, Reading
 from formats.errors import FormatError, MissingLibraryError
-from formats.raw import Columns, Head, Item, Options, Reading
 
 
 def read(path: Path, options: Options) -> Reading:

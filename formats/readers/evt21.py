@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from formats.columns import Array, Columns, Head, Item, Options, Reading, Size
 from formats.errors import FormatError
-from formats.magic import percent_header
-from formats.raw import Array, Columns, Head, Item, Options, Reading, Size
+from formats.identify import percent_header
 
 _OFF, _ON, _TIME_HIGH = 0, 1, 8
 _KINDS = (_OFF, _ON, _TIME_HIGH, 0xA, 0xE, 0xF)

@@ -20,8 +20,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from formats.columns import Array, Columns, Head, Item, Options, Reading, Size, microseconds
 from formats.errors import FormatError, MissingLibraryError
-from formats.raw import Array, Columns, Head, Item, Options, Reading, Size, microseconds
 from formats.readers.arrays import NAMES, columns_of
 
 _BLOCK = 1 << 17

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from formats.columns import Columns, Head, Item, Options, Reading
 from formats.errors import FormatError, MissingLibraryError
-from formats.magic import percent_header
-from formats.raw import Columns, Head, Item, Options, Reading
+from formats.identify import percent_header
 
 _HEADER_MAX = 1 << 20
 _WORD_BYTES = {"evt2": 4, "evt3": 2}

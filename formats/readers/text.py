@@ -15,9 +15,19 @@ from pathlib import Path
 
 import numpy as np
 
+from formats.columns import (
+    SIDE_MAX,
+    Array,
+    Columns,
+    Head,
+    Item,
+    Options,
+    Reading,
+    Size,
+    microseconds,
+)
 from formats.errors import FormatError
-from formats.magic import BINARY_ENDINGS
-from formats.raw import SIDE_MAX, Array, Columns, Head, Item, Options, Reading, Size, microseconds
+from formats.identify import BINARY_ENDINGS
 from formats.readers.arrays import columns_of
 
 _HEAD_BYTES = 1 << 16

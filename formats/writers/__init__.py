@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from emulator.events import Events
+from flybench.events import Events
 from formats.errors import FormatError
 from formats.event_file import Chunk
 from formats.writers.aedat4 import Aedat4Writer

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from emulator import ApsFrame
-from emulator.events import Events
+from flybench.events import Events
 from formats.errors import MissingLibraryError
 from formats.writers.base import EventWriter
 from formats.writers.faery_events import for_faery

@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import ClassVar, Self
 
 from emulator import ApsFrame
-from emulator.errors import EventError
-from emulator.events import Events, check_events
+from flybench.errors import EventError
+from flybench.events import Events, check_events
+from formats.columns import SIDE_MAX
 from formats.errors import FormatError
-from formats.raw import SIDE_MAX
 
 
 class EventWriter(ABC):

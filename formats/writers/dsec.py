@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from emulator.events import Events, joined
+from flybench.events import Events, joined
 from formats.errors import FormatError
 from formats.writers.base import EventWriter
 

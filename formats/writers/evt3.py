@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from emulator.events import Events
+from flybench.events import Events
 from formats.writers.base import EventWriter
 
 _Y, _X, _TIME_LOW, _TIME_HIGH = 0x0000, 0x2000, 0x6000, 0x8000

@@ -11,7 +11,7 @@ from typing import IO
 
 import numpy as np
 
-from emulator.events import EVENT_DTYPE, Events
+from flybench.events import EVENT_DTYPE, Events
 from formats.writers.base import EventWriter
 
 

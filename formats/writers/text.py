@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pyarrow as pa
-from pyarrow import csv
 
-from emulator.events import Events
+from flybench.events import Events
+from formats.errors import MissingLibraryError
 from formats.writers.base import EventWriter
-
-_SECONDS = pa.decimal128(38, 6)
 
 
 class TextWriter(EventWriter):
@@ -21,22 +19,30 @@ class TextWriter(EventWriter):
     _separator = " "
 
     def _open(self, work: Path) -> None:
+        try:
+            import pyarrow
+            from pyarrow import csv
+        except ImportError:
+            raise MissingLibraryError("pyarrow", "writing text and CSV") from None
+        self._arrow, self._csv = pyarrow, csv
         self._file = work.open("wb")
         self._file.write(self._first_line().encode())
-        self._options = csv.WriteOptions(include_header=False, delimiter=self._separator)
+        self._options = self._csv.WriteOptions(include_header=False, delimiter=self._separator)
 
     def _first_line(self) -> str:
         return f"{self.width} {self.height}\n"
 
-    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> pa.Array:
+    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Any:
+        pa = self._arrow
         words = np.stack([t_us, np.zeros_like(t_us)], axis=1)  # 128 bits, little-endian
-        return pa.Array.from_buffers(_SECONDS, t_us.size, [None, pa.py_buffer(words)])
+        return pa.Array.from_buffers(pa.decimal128(38, 6), t_us.size, [None, pa.py_buffer(words)])
 
     def _write(self, events: Events) -> None:
+        pa = self._arrow
         columns = {name: pa.array(np.ascontiguousarray(events[name])) for name in "xy"}
         p = pa.array(events["p"].astype(np.uint8))
         table = pa.table({"t": self._time(np.ascontiguousarray(events["t"])), **columns, "p": p})
-        csv.write_csv(table, self._file, self._options)
+        self._csv.write_csv(table, self._file, self._options)
 
     def _finish(self) -> None:
         self._file.close()
@@ -54,5 +60,5 @@ class CsvWriter(TextWriter):
     def _first_line(self) -> str:
         return f"# {self.width} {self.height}\nt,x,y,p\n"
 
-    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> pa.Array:
-        return pa.array(t_us)
+    def _time(self, t_us: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Any:
+        return self._arrow.array(t_us)

@@ -12,7 +12,7 @@ from emulator.characterisation import Datasheet, Quantity, Section
 from emulator.presets import WITHOUT_FRAMES
 from scenarios.datasheet import rows
 from scenarios.datasheet.figures import draw_svg
-from scenarios.html import card_table, document, inline_svg
+from scenarios.output.html import card_table, document, inline_svg
 
 _HEADS = ("figure", "measured", "published", "difference", "source")
 

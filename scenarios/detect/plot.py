@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
-from detector.estimate import Direction
+from flybench.direction import Direction
 from scenarios.detect.tally import PICTURE_US, WAYS, Curves, Picture, Verdict
-from scenarios.figures import figure_file
+from scenarios.output.figures import figure_file
 
 SIZE_IN = (11.0, 6.4)
 ON, OFF, HS, VS = "#d7301f", "#1b9e77", "#1f6eb4", "#8e5ac8"

@@ -13,7 +13,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
+from flybench.direction import Direction
 from formats import EventFile
 from scenarios.detect.tally import Verdict
 from scenarios.recording.entities import ARROW

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction, MotionEstimate
-from emulator import ApsFrame, Events, empty_events
-from emulator.events import joined
+from detector.estimate import MotionEstimate
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.events import Events, empty_events, joined
 from scenarios.detect.watching import Look
 
 PICTURE_US = 20_000

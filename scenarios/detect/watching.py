@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from detector.estimate import Detector, MotionEstimate
-from detector.fly import FlyMaps
-from emulator import ApsFrame, Events, empty_events
+from detector.fly.detector import FlyMaps
+from emulator import ApsFrame
+from flybench.events import Events, empty_events
 from formats import Chunk, EventFile
-from scenarios.methods import read
+from scenarios.pipeline.feeding import feed
 
 PIECE_US = 10_000
 """What is passed at once: the detectors' hop, so that a fly's maps are those of its estimate."""
@@ -59,11 +60,11 @@ def watch(file: EventFile, detector: Detector) -> Iterator[Look]:
             mine, shown = _shifted(events, shift_us), _in_order(frames, shift_us, now_us)
             ends = [frame.end_us for frame in shown]
             now_us = max([now_us, *ends, *mine["t"][-1:].tolist()])
-            estimates = read(detector, mine, until_us=now_us, frames=shown, said=said)
+            estimates = feed(detector, mine, until_us=now_us, frames=shown, said=said)
             said = tuple(estimates[-1:]) or said
             yield _look(events, frames, estimates, detector, shift_us)
     if shift_us is not None:
-        estimates = read(detector, empty_events(), until_us=now_us + 1, said=said)
+        estimates = feed(detector, empty_events(), until_us=now_us + 1, said=said)
         yield _look(empty_events(), (), estimates, detector, shift_us)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator import luminance_of
-from emulator.images import Transfer
+from emulator.grey_levels import Transfer
 from scenarios.errors import ScenarioError
 
 F32 = npt.NDArray[np.float32]

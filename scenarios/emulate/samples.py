@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from emulator.images import Transfer
+from emulator.grey_levels import Transfer
 from scenarios.emulate.fitting import F32, light_on
 from scenarios.emulate.motion import MotionMeter, between, pictures_between
 from scenarios.emulate.pictures import Pictures
-from sim.sampling import MIN_STEP_US
+from sim.motion.sample_times import MIN_STEP_US
 
 BELIEVABLE_PX = 1.0
 """Farther than a pixel from frame to frame, and events come too early or too late by up to a frame:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.metrics import Box
-from emulator.events import Events, joined
+from flybench.events import Events, joined
 from scenarios.envelope.noise import merge, poisson_noise
 from scenarios.envelope.pixels import Canvas
 from scenarios.envelope.scene import Scene, make_scene

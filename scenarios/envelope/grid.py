@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from scenarios.envelope.stimulus import CARDINAL, Background, Stimulus, Surface
+from flybench.direction import CARDINAL
+from scenarios.envelope.stimulus import Background, Stimulus, Surface
 from scenarios.errors import ScenarioError
 
 SPEED, NOISE = "speed_px_s", "noise_hz"

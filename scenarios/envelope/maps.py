@@ -26,7 +26,7 @@ from scenarios.envelope.table import (
     means,
     worst,
 )
-from scenarios.figures import figure_file
+from scenarios.output.figures import figure_file
 
 _VALUES = {
     RIGHT: "share of steps with the correct direction, %",

@@ -13,8 +13,9 @@ import numpy as np
 from detector.estimate import Detector, MotionEstimate
 from scenarios.envelope.drawing import Drawn, draw
 from scenarios.envelope.stimulus import Stimulus
-from scenarios.judgement import judge
-from scenarios.methods import find_method, read
+from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.scoring import judge
+from scenarios.pipeline.user_detectors import find_method
 
 CHUNK_US = 10_000
 """Events are passed in pieces as a camera sends them."""
@@ -58,6 +59,6 @@ def _watch(detector: Detector, drawn: Drawn) -> list[MotionEstimate]:
     estimates: list[MotionEstimate] = []
     start = 0
     for end_us, cut in zip(ends_us, cuts, strict=True):
-        estimates += read(detector, drawn.events[start:cut], until_us=int(end_us), said=estimates)
+        estimates += feed(detector, drawn.events[start:cut], until_us=int(end_us), said=estimates)
         start = cut
     return estimates

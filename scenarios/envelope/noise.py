@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from emulator import EVENT_DTYPE, Events
+from flybench.events import EVENT_DTYPE, Events
+from flybench.kernels import compiled
 
 
 def poisson_noise(
@@ -42,7 +42,7 @@ def merge(first: Events, second: Events) -> Events:
     return merged
 
 
-@njit(cache=True)
+@compiled
 def _merge(first: Any, second: Any, merged: Any) -> None:
     i = j = 0
     for n in range(merged.size):

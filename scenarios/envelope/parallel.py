@@ -7,7 +7,7 @@ from functools import partial
 
 from scenarios.envelope.measure import Row, measure
 from scenarios.envelope.stimulus import Stimulus
-from scenarios.parallel import run_here
+from scenarios.pipeline.parallel import run_here
 
 
 def measure_all(

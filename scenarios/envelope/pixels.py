@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from emulator import EVENT_DTYPE, Events, SensorConfig
+from emulator import SensorConfig
+from flybench.events import EVENT_DTYPE, Events
+from flybench.kernels import compiled
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -107,7 +108,7 @@ class Canvas:
         return 0, 0, columns, rows
 
 
-@njit(cache=True)
+@compiled
 def _paint_ground(
     now: Any, ground: Any, margin: int, x0: int, y0: int, shift_x: float, shift_y: float
 ) -> None:
@@ -124,7 +125,7 @@ def _paint_ground(
             now[y, x] = (one - below) * upper + below * lower
 
 
-@njit(cache=True)
+@compiled
 def _paint_layer(now: Any, paint: Any, cover: Any, left: float, top: float) -> None:
     """Paint a layer over what is there; each pixel takes the share of its area that it covers."""
     (rows, columns), (height, width) = now.shape, paint.shape
@@ -149,7 +150,7 @@ def _paint_layer(now: Any, paint: Any, cover: Any, left: float, top: float) -> N
             now[y, x] = colour + (one - hidden) * now[y, x]
 
 
-@njit(cache=True)
+@compiled
 def _count(now: Any, level: Any, theta_on: Any, theta_off: Any) -> int:
     """How many thresholds are crossed on the way to `now`."""
     rows, columns = now.shape
@@ -162,7 +163,7 @@ def _count(now: Any, level: Any, theta_on: Any, theta_off: Any) -> int:
     return count
 
 
-@njit(cache=True)
+@compiled
 def _fire(
     events: Any,
     seen: Any,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction
+from flybench.direction import Direction
 from scenarios.envelope.stimulus import Background, Stimulus, Surface
 from scenarios.envelope.sway import Sway, make_sway
 from scenarios.envelope.textures import crown, leaves, panels, saloon, street, stripes

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from numbers import Integral, Real
-from typing import Any
 
-from detector.estimate import Direction
+from flybench.checks import Range, check_ranges
+from flybench.direction import CARDINAL, Direction
 from scenarios.errors import ScenarioError
-
-CARDINAL = (Direction.RIGHT, Direction.LEFT, Direction.UP, Direction.DOWN)
 
 
 class Background(StrEnum):
@@ -32,16 +29,14 @@ class Surface(StrEnum):
 
 
 _RANGES = {
-    "speed_px_s": (1.0, 20_000.0),
-    "noise_hz": (0.0, 1_000.0),
-    "contrast": (0.0, 3.0),
-    "length_px": (4, 1_000),
-    "seed": (0, 2**32 - 1),
-    "width": (4, 4096),
-    "height": (4, 4096),
+    "speed_px_s": Range(1.0, 20_000.0),
+    "noise_hz": Range(0.0, 1_000.0),
+    "contrast": Range(0.0, 3.0),
+    "length_px": Range(4, 1_000),
+    "seed": Range(0, 2**32 - 1),
+    "width": Range(4, 4096),
+    "height": Range(4, 4096),
 }
-_WHOLE = ("length_px", "seed", "width", "height")
-
 
 _NAMED: dict[str, type[StrEnum]] = {
     "direction": Direction,
@@ -94,14 +89,7 @@ class Stimulus:
         return max(2, round(0.4 * self.length_px))
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            value: Any = getattr(self, name)  # NaN is not in any range
-            kind, called = (Integral, "a whole number") if name in _WHOLE else (Real, "a number")
-            if not (issubclass(type(value), kind) and low <= value <= high):
-                raise ScenarioError(
-                    f"{name} of a drawn stimulus is {value}; allowed is {called} from {low:g} to "
-                    f"{high:g}; choose one in that range"
-                )
+        check_ranges(self, _RANGES, ScenarioError)
         for name, names in _NAMED.items():
             value = getattr(self, name)
             if not isinstance(value, names):

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import rerun.blueprint as rrb
 
-from scenarios.methods import VELOCITY_METHODS
+from flybench.direction import Direction
+from scenarios.pipeline.registry import gives_velocity
 from scenarios.recording import entities as at
 from scenarios.recording.entities import MethodPaths
-from sim import Crossing, Direction
+from sim import Crossing
 
 EVENT_WINDOW_S = 0.02
 """Events of the last 20 ms are shown: at the paper's speeds, trails of 7 to 16 px."""
@@ -231,7 +232,7 @@ def _velocities(seen: _Seen, methods: Methods) -> rrb.Tabs:
     ]
     images = _in_order(plots, horizontal=seen.is_horizontal)
     rate = _plot(seen, "Event rate [kev/s]", at.RATE)
-    has_velocity = any(method in VELOCITY_METHODS for method in methods)
+    has_velocity = any(gives_velocity(method) for method in methods)
     if not seen.has_truth:
         return rrb.Tabs(*(images if has_velocity else ()), rate)
     turning = _plot(seen, "Angular velocity [rad/s]", at.ANGULAR_VELOCITY)

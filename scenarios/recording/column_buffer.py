@@ -10,7 +10,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from scenarios.recording.entities import TIMELINE
-from sim.geometry import BodyPose
+from sim.truth.body_meshes import BodyPose
 
 Box = tuple[int, int, int, int]
 """x0, y0, x1, y1, half-open [px]."""

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from emulator import Cause, Events
-from emulator.events import joined
+from flybench.events import Cause, Events, joined
 
 BATCH_US = 1_000
 """One row a millisecond: a row an event costs five times the space and the time (measured)."""

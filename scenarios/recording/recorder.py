@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 
-from scenarios.methods import FLY
+from scenarios.pipeline.registry import FLY
 from scenarios.recording import entities as at
 from scenarios.recording.blueprint import blueprint
 from scenarios.recording.stage import body_path, log_stage
 from scenarios.recording.stream_recorder import StreamRecorder, check_methods
 from sim import Crossing, GroundTruth
-from sim.geometry import MovingBodies
+from sim.truth.body_meshes import MovingBodies
 
 
 class Recorder(StreamRecorder):

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from detector.estimate import MotionEstimate
-from detector.fly import FlyMaps
+from detector.fly.detector import FlyMaps
 from emulator import SensorOutput
-from scenarios.methods import FLY
+from scenarios.pipeline.registry import FLY
 from scenarios.recording.recorder import Recorder
 from sim import Crossing, Sample, preview_jpegs
 from sim.preview import PREVIEW_SCALE

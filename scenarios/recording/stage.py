@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from emulator import Cause
+from flybench.events import Cause
 from scenarios.recording import entities as at
 from scenarios.recording.event_batches import class_id
 from sim import Crossing
-from sim.geometry import WORLD, BodyMesh, body_meshes
+from sim.truth.body_meshes import WORLD, BodyMesh, body_meshes
 
 IMAGE_PLANE_M = 2.2
 """How far in front of the camera its image hangs in the 3-D view (by eye)."""

@@ -11,11 +11,13 @@ import numpy.typing as npt
 import rerun as rr
 import rerun.blueprint as rrb
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyMaps
-from emulator import ApsFrame, Events
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyMaps
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.events import Events
 from scenarios.errors import ScenarioError
-from scenarios.methods import VELOCITY_METHODS
+from scenarios.pipeline.registry import gives_velocity
 from scenarios.recording import entities as at
 from scenarios.recording.column_buffer import ColumnBuffer, time_column
 from scenarios.recording.event_batches import BATCH_US, EventBatches, EventBuffer
@@ -127,7 +129,7 @@ class StreamRecorder:
         columns.state(paths.direction, t_us, "" if none else estimate.direction)
         columns.box(paths.roi, t_us, estimate.roi_px)
         columns.point(paths.view_centre, t_us, estimate.view_centre_px)
-        if method in VELOCITY_METHODS:
+        if gives_velocity(method):
             columns.scalar(paths.velocity_x, t_us, estimate.response[0])
             columns.scalar(paths.velocity_y, t_us, estimate.response[1])
         if maps is not None:

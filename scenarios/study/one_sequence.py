@@ -12,14 +12,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
 from detector.metrics import within
-from emulator import ApsFrame, Davis346, Events, SensorConfig
-from scenarios.config import RunConfig
-from scenarios.judgement import SETTLING_US, Track, judge
-from scenarios.light_options import LightOptions
-from scenarios.methods import FLY_PRESETS, VELOCITY_METHODS
-from scenarios.pipeline import make_crossing, note
+from emulator import ApsFrame, Davis346, SensorConfig
+from flybench.direction import Direction
+from flybench.events import Events
+from scenarios.options.cache import CacheOptions
+from scenarios.pipeline.registry import gives_velocity, is_fly
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.pipeline.running import make_crossing, note
+from scenarios.pipeline.scoring import SETTLING_US, Track, judge
 from scenarios.recording import SequenceRecorder
 from scenarios.study.results import MethodRun, Snapshot
 from scenarios.study.results import Sequence as Result
@@ -58,7 +60,7 @@ class SequenceTask:
     methods: tuple[str, ...]
     seeds: tuple[int, ...]
     sensor: SensorConfig = field(default_factory=SensorConfig)
-    light: LightOptions = field(default_factory=LightOptions)
+    light: CacheOptions = field(default_factory=CacheOptions)
     contrast_hop_us: int = CONTRAST_HOP_US
     recording: Path | None = None
 
@@ -130,7 +132,7 @@ def _recorder(task: SequenceTask, path: Path, crossing: Crossing) -> SequenceRec
         crossing=crossing,
         parameters=parameters | {"methods": ", ".join(task.methods)},
         methods=task.methods,
-        maps_of=next((method for method in task.methods if method in FLY_PRESETS), None),
+        maps_of=next((method for method in task.methods if is_fly(method)), None),
         name=f"{c.lighting} {c.omega_rad_s:.2f}",
         one_of_several=True,
     )
@@ -265,7 +267,7 @@ def velocity_errors(
     Returns:
         (n,), or None of a method that gives no velocity, and where there is no such step.
     """
-    if method not in VELOCITY_METHODS:
+    if not gives_velocity(method):
         return None
     settled_us = result.in_view_us[0] + SETTLING_US, result.in_view_us[1]
     named = [e for e in within(estimates, settled_us) if e.direction is not Direction.NONE]

@@ -41,10 +41,10 @@ class MethodRun:
     """What one method said of one sequence, seen by the sensor of one seed.
 
     Attributes:
-        method: its name in `scenarios.methods`.
+        method: its name in `scenarios.pipeline.registry`.
         seed: the sensor's.
         estimates: all that it said.
-        judgement: that against the truth, see `scenarios.judgement.judge`.
+        judgement: that against the truth, see `scenarios.pipeline.scoring.judge`.
         velocity_error_px_s: root mean square error of its horizontal velocity, over those of the
             steps after 100 ms in view that name a direction [px/s]; None for a method that gives
             no velocity, and where there is no such step.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from scenarios.parallel import run_here
+from scenarios.pipeline.parallel import run_here
 from scenarios.study.one_sequence import SequenceTask, run_one
 from scenarios.study.results import Sequence as Result
 from scenarios.study.shared_progress import SharedProgress

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from detector.estimate import MotionEstimate
-from detector.fly import FlyMaps
+from detector.fly.detector import FlyMaps
 from detector.metrics import Box
 from emulator import ApsFrame
 from scenarios.study.results import Snapshot

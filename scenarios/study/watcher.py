@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from detector.contrast_maximisation import ContrastConfig, ContrastMaximisation
 from detector.estimate import Detector, MotionEstimate
-from detector.fly import FlyMaps
-from emulator import ApsFrame, Events, SensorOutput
-from emulator.events import EVENT_DTYPE, joined
-from scenarios.methods import CONTRAST, find_method, read
+from detector.fly.detector import FlyMaps
+from emulator import ApsFrame, SensorOutput
+from flybench.events import EVENT_DTYPE, Events, joined
+from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.registry import CONTRAST, DETECTORS
+from scenarios.pipeline.user_detectors import find_method
 
 CHUNK_US = 10_000
 """What every detector is handed at once: the events of one hop of the fly's."""
@@ -75,7 +76,7 @@ class Watcher:
             until_us: every event before this was passed [µs].
         """
         start_s = time.thread_time()
-        said = read(
+        said = feed(
             self.detector, events, until_us=until_us, frames=frames, said=self.estimates[-1:]
         )
         self.cpu_s += time.thread_time() - start_s
@@ -94,8 +95,9 @@ def make_watcher(
         DetectorConfigError: the hop does not divide the window of contrast maximisation.
     """
     if method == CONTRAST:
-        config = ContrastConfig(hop_us=contrast_hop_us)
-        return Watcher(method, seed, ContrastMaximisation(config, width=width, height=height))
+        changes = {"hop_us": contrast_hop_us}
+        detector = DETECTORS[method].make_with(changes, width=width, height=height)
+        return Watcher(method, seed, detector)
     return Watcher(method, seed, find_method(method).make(width=width, height=height))
 
 

@@ -8,23 +8,16 @@ import json
 from functools import cache
 from pathlib import Path
 
-from scenarios.config import RunConfig
-from scenarios.summary import versions
-
-_ROOT = Path(__file__).parents[2]
-_FILES = ("sim/**/*.py", "sim/assets/**/*", "emulator/**/*.py", "detector/**/*.py")
-MEASURING = ("config", "judgement", "methods", "pipeline", "repeats", "summary", "sweep.measure")
-"""Of scenarios, what a result depends on; it depends on no other command, figure or report."""
+from flybench.sources import SWEEP_POINT, feed, sources_digest
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.pipeline.summary import versions
 
 
 @cache
 def code_digest() -> str:
-    """Digest of this process's versions, and of the files of flybench that results depend on."""
+    """Digest of this process's versions, and of the sources that results depend on."""
     digest = hashlib.sha256(json.dumps(versions(), sort_keys=True).encode())
-    paths = {path for pattern in _FILES for path in _ROOT.glob(pattern) if path.is_file()}
-    paths |= {_ROOT / "scenarios" / f"{name.replace('.', '/')}.py" for name in MEASURING}
-    for path in sorted(paths):
-        _feed(digest, path)
+    digest.update(sources_digest(*SWEEP_POINT).encode())
     return digest.hexdigest()
 
 
@@ -47,10 +40,5 @@ def _method_digest(method: str) -> str:
     spec = importlib.util.find_spec(module)
     digest = hashlib.sha256()
     if spec is not None and spec.origin is not None and Path(spec.origin).is_file():
-        _feed(digest, Path(spec.origin))
+        feed(digest, Path(spec.origin).name, Path(spec.origin).read_bytes())
     return digest.hexdigest()
-
-
-def _feed(digest: hashlib._Hash, path: Path) -> None:
-    content = path.read_bytes()
-    digest.update(f"{path.name} {len(content)} ".encode() + content)

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from scenarios.errors import OutputError
-from scenarios.output import SUMMARY, check_output
+from scenarios.output.folder import SUMMARY, check_output
 
 LOCK, JOURNAL, COPY = "flybench-sweep.lock", "points.jsonl", "sweep.toml"
 CSV, PARQUET = "results.csv", "results.parquet"

@@ -14,13 +14,13 @@ from typing import Any
 import cv2
 import numba
 
-from scenarios.config import RunConfig, flat
 from scenarios.errors import ScenarioError
-from scenarios.judgement import Track, judge
-from scenarios.light_options import LightOptions
-from scenarios.pipeline import make_crossing
-from scenarios.repeats import Seen, run_side_by_side
-from scenarios.summary import truth_summary
+from scenarios.options.cache import CacheOptions
+from scenarios.pipeline.repeats import Seen, run_side_by_side
+from scenarios.pipeline.run_config import RunConfig, flat
+from scenarios.pipeline.running import make_crossing
+from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.summary import truth_summary
 from scenarios.sweep.code import code_digest
 from sim import Crossing, RendererError
 
@@ -44,7 +44,7 @@ class Task:
     """
 
     configs: tuple[RunConfig, ...]
-    light: LightOptions = field(default_factory=LightOptions)
+    light: CacheOptions = field(default_factory=CacheOptions)
     code: str = ""
     alone: bool = False
 
@@ -65,7 +65,7 @@ def by_light(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
 
 
 def make_tasks(
-    configs: Iterable[RunConfig], light: LightOptions, *, alone: bool = False
+    configs: Iterable[RunConfig], light: CacheOptions, *, alone: bool = False
 ) -> list[Task]:
     """Cut points into tasks: first one for every light, then the further ones of each."""
     tasks = [
@@ -122,7 +122,7 @@ def _pin_threads() -> None:
     numba.set_num_threads(1)
 
 
-def _measured(configs: Sequence[RunConfig], light: LightOptions) -> Iterable[Results]:
+def _measured(configs: Sequence[RunConfig], light: CacheOptions) -> Iterable[Results]:
     crossing = make_crossing(configs[0], light.open())
     seen, track = run_side_by_side(configs, crossing.samples())
     return (

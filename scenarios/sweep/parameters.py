@@ -12,13 +12,13 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 import msgspec
 
-from detector.fly_config import FlyConfig
+from detector.fly.config import FlyConfig
 from emulator import preset
 from emulator.presets import PresetName
-from scenarios.config import RunConfig
+from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
-from scenarios.methods import FLY, FLY_PRESETS
-from scenarios.terminal import REFUSALS
+from scenarios.pipeline.registry import DETECTORS, FLY, is_fly
+from scenarios.pipeline.run_config import RunConfig
 from sim import CrossingConfig
 
 METHOD, SEED, PRESET = "method", "seed", "sensor.preset"
@@ -127,7 +127,8 @@ def make_config(settings: Settings) -> RunConfig:
     method = settings.get(METHOD, FLY)
     fly = None
     if any(name.startswith("fly.") for name in settings):
-        fly = _changed(FLY_PRESETS.get(method, FlyConfig()), "fly", settings)
+        config = DETECTORS[method].config if is_fly(method) else FlyConfig()
+        fly = _changed(config, "fly", settings)
     return RunConfig(
         crossing=_changed(CrossingConfig(), "crossing", settings),
         sensor=_changed(preset(settings.get(PRESET, _DAVIS346)), "sensor", settings),
@@ -148,7 +149,7 @@ def _changed(base: C, section: str, settings: Settings) -> C:
             changes[field.name] = settings[name]
     try:
         return replace(base, **changes)  # type: ignore[type-var]
-    except REFUSALS as error:
+    except FlybenchError as error:
         starts_with_field = str(error).split(" ")[0] in {f.name for f in fields(base)}  # type: ignore[arg-type]
         joint = "." if starts_with_field else ": "
         raise ScenarioError(f"{section}{joint}{error}") from error

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from scenarios.config import RunConfig
+from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
-from scenarios.pipeline import make_crossing, make_detector
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.pipeline.running import make_crossing, make_detector
 from scenarios.sweep.parameters import PRESET, SEED, Settings, make_config
 from scenarios.sweep.sweep_file import MOST_POINTS, SweepFile, SweepFileError, read_sweep
-from scenarios.terminal import REFUSALS
 from sim import Profile
 
 
@@ -59,7 +59,7 @@ def read_plan(path: Path) -> Plan:
     try:
         points = _points(file)
         _check_runs([point.config for point in points])
-    except REFUSALS as error:
+    except FlybenchError as error:
         raise SweepFileError(f"{path}: {error}") from error
     return Plan(points, file.text)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from scenarios.light_options import LightOptions
-from scenarios.output import GENERATOR, SUMMARY
-from scenarios.summary import versions
+from scenarios.options.cache import CacheOptions
+from scenarios.output.folder import GENERATOR, SUMMARY
+from scenarios.pipeline.summary import versions
 from scenarios.sweep.code import code_digest, point_key
 from scenarios.sweep.folder import (
     COPY,
@@ -71,7 +71,7 @@ def run_sweep(
     plan: Plan,
     folder: Path,
     run: Runner,
-    light: LightOptions | None = None,
+    light: CacheOptions | None = None,
     *,
     alone: bool = False,
     measure: Measure = measure,
@@ -104,7 +104,7 @@ def run_sweep(
         found, left_out = len(configs) - len(missing), len(journal.done.keys() - configs.keys())
         done = found
         progress(done, len(configs))
-        tasks = make_tasks(missing, light or LightOptions(), alone=alone)
+        tasks = make_tasks(missing, light or CacheOptions(), alone=alone)
         reasons: dict[str, str] = {}
         for n, results in run(measure, tasks) if tasks else ():
             of_task = [missing[config] for config in tasks[n].configs]

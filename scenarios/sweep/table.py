@@ -11,10 +11,10 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from scenarios.output.tables import write_table
 from scenarios.sweep.measure import Results
 from scenarios.sweep.parameters import parameter_types
 from scenarios.sweep.plan import Point
-from scenarios.tables import write_table
 
 Row = Mapping[str, Any]
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from detector.fly import FlyConfig, FlyDetector
-from detector.stream import check_chunk
-from detector.time_surface import TimeSurfaces
-from emulator.events import EVENT_DTYPE, Events
+from detector.event_checks import check_chunk
+from detector.fly.detector import FlyConfig, FlyDetector
+from detector.fly.time_surface import TimeSurfaces
+from flybench.events import EVENT_DTYPE, Events
 
 EVENTS = 2_000_000
 

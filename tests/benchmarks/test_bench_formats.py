@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from detector.fly import FlyDetector
-from emulator.events import EVENT_DTYPE, Events
+from detector.fly.detector import FlyDetector
+from flybench.events import EVENT_DTYPE, Events
 from formats import open_events, write_events
 from tests.benchmarks.test_bench_detector import moving_clusters
 

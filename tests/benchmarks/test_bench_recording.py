@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE
+from flybench.events import EVENT_DTYPE
 from scenarios.recording import Recorder
 from sim import Crossing, CrossingConfig
 

@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from detector.contrast_maximisation import (
+from detector.contrast_maximisation.detector import (
     ContrastConfig,
     ContrastMaximisation,
     Reward,
     maximise_contrast,
 )
-from detector.estimate import Detector, Direction
-from detector.fly import FlyDetector
-from detector.frame_fly import FrameFly, FrameFlyConfig
-from detector.plane_fit import PlaneFit
+from detector.estimate import Detector
+from detector.fly.detector import FlyDetector
+from detector.frame_fly.detector import FrameFly, FrameFlyConfig
+from detector.plane_fit.detector import PlaneFit
+from flybench.direction import Direction
 from tests.detector.moving_dots import WINDOW_US, dots
 from tests.detector.test_operating_range import passing
 

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction, MotionEstimate
-from detector.frame_fly import FrameFly
+from detector.estimate import MotionEstimate
+from detector.frame_fly.detector import FrameFly
+from flybench.direction import Direction
 
 WIDTH, HEIGHT = 173, 130
 BASE_DN = 300.0

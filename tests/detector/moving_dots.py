@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from detector.estimate import Direction
-from emulator.events import EVENT_DTYPE, Events
+from flybench.direction import Direction
+from flybench.events import EVENT_DTYPE, Events
 from tests.detector.stimuli import HEIGHT, WIDTH, asphalt, slide, textured_box, turned
 
 WINDOW_US = 50_000

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from detector.estimate import Direction
-from emulator.events import EVENT_DTYPE, Events
+from flybench.direction import Direction
+from flybench.events import EVENT_DTYPE, Events
 
 WIDTH, HEIGHT = 346, 260
 THRESHOLD = 0.2

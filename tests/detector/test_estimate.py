@@ -2,9 +2,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from detector.estimate import Detector, Direction, FrameDetector, MotionEstimate
-from detector.fly import FlyDetector
-from emulator.events import Events
+from detector.estimate import Detector, FrameDetector, MotionEstimate
+from detector.fly.detector import FlyDetector
+from flybench.direction import Direction
+from flybench.events import Events
 
 
 @pytest.mark.parametrize(

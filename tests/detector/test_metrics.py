@@ -3,7 +3,8 @@ import math
 import pytest
 
 from detector.errors import DetectorError
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
+from detector.fly.model_variants import GrmsOf
 from detector.metrics import (
     Box,
     accuracy,
@@ -14,7 +15,7 @@ from detector.metrics import (
     verdict,
     within,
 )
-from detector.readings import GrmsOf
+from flybench.direction import Direction
 
 CROSSING = (10_000, 50_000)
 

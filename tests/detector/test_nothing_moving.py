@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyConfig, FlyDetector
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyConfig, FlyDetector
 from emulator import Davis346, SensorConfig
-from emulator.events import Events
+from flybench.direction import Direction
+from flybench.events import Events
 from tests.detector.stimuli import asphalt, hot_pixels, merged, noise
 
 PRESETS = ["paper", "wide"]

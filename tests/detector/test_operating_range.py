@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyConfig, FlyDetector
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyConfig, FlyDetector
 from detector.metrics import grms
-from emulator.events import Events
+from flybench.direction import CARDINAL, Direction
+from flybench.events import Events
 from tests.detector.stimuli import (
     asphalt,
     before_turning,
@@ -23,7 +24,6 @@ from tests.detector.stimuli import (
     turned,
 )
 
-MOVING = [d for d in Direction if d is not Direction.NONE]
 LENGTH_PX = 120
 AT_HOME_PX_S = (300, 620, 960)
 
@@ -72,7 +72,7 @@ def share(found: list[MotionEstimate], direction: Direction) -> float:
 
 
 @pytest.mark.parametrize("noise_hz", [0.0, 10.0])
-@pytest.mark.parametrize("direction", MOVING)
+@pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", [60, 130, 300, 620, 1000, 1500])
 def test_wide_is_right_from_60_to_1500_px_s(
     speed_px_s: float, direction: Direction, noise_hz: float
@@ -80,7 +80,7 @@ def test_wide_is_right_from_60_to_1500_px_s(
     assert share(after_100_ms("wide", speed_px_s, direction, noise_hz), direction) >= 0.95
 
 
-@pytest.mark.parametrize("direction", MOVING)
+@pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", AT_HOME_PX_S)
 def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
     speed_px_s: float, direction: Direction
@@ -93,7 +93,7 @@ def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
     assert wide >= paper - 0.01
 
 
-@pytest.mark.parametrize("direction", MOVING)
+@pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", [40, 90])
 def test_below_its_range_the_paper_preset_says_none_and_not_the_opposite(
     speed_px_s: float, direction: Direction
@@ -106,7 +106,7 @@ def test_below_its_range_the_paper_preset_says_none_and_not_the_opposite(
 def test_the_floor_costs_less_than_a_point_on_what_moves(preset: str) -> None:
     with_floor, without = [], []
     for speed_px_s in AT_HOME_PX_S:
-        for direction in MOVING:
+        for direction in CARDINAL:
             found = after_100_ms(preset, speed_px_s, direction, 5.0)
             strongest = [
                 (Direction.RIGHT if e.hs > 0 else Direction.LEFT)

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from emulator import Davis346, Events, SensorConfig
-from emulator.optics import lux_per_cd_m2
+from emulator import Davis346, SensorConfig
+from emulator.pixel.optics import lux_per_cd_m2
+from flybench.events import Events
 
 Frame = npt.NDArray[np.float32]
 Sample = tuple[int, Frame]

@@ -38,7 +38,9 @@ from emulator import ApsConfig, SensorConfig, SensorConfigError
     ],
 )
 def test_a_wrong_value_is_named_in_the_refusal(name: str, value: Any) -> None:
-    with pytest.raises(SensorConfigError, match=f"{name} is {value!r}; allowed is a .*number from"):
+    with pytest.raises(
+        SensorConfigError, match=rf"{name} is {value!r}\. Allowed is a .*number from"
+    ):
         SensorConfig(**{name: value})
 
 
@@ -80,5 +82,5 @@ def test_parts_of_another_kind_are_refused() -> None:
 
 def test_a_leak_that_heat_takes_beyond_all_measure_is_refused() -> None:
     assert SensorConfig(temperature_c=85.0).warm_leak_hz < 100.0
-    with pytest.raises(SensorConfigError, match=r"warm_leak_hz is .* from 0 to 10000; lower"):
+    with pytest.raises(SensorConfigError, match=r"warm_leak_hz is .* from 0 to 10000\. Lower"):
         SensorConfig(temperature_c=150.0, leak_doubling_k=5.0)

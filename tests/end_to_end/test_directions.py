@@ -2,16 +2,17 @@
 
 import pytest
 
-from scenarios.config import RunConfig
-from scenarios.judgement import Track, judge
-from scenarios.pipeline import Stopwatch, make_crossing, make_detector, note, run_steps
-from sim import CrossingConfig, Direction, Lighting
+from flybench.direction import CARDINAL, Direction
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.pipeline.running import Stopwatch, make_crossing, make_detector, note, run_steps
+from scenarios.pipeline.scoring import Track, judge
+from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
 SECOND_SPEED = 1
 
 
-@pytest.mark.parametrize("direction", list(Direction))
+@pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("lighting", list(PAPER_OMEGA_RAD_S))
 def test_the_direction_is_right(lighting: Lighting, direction: Direction) -> None:
     config = RunConfig(

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from detector.fly import FlyDetector
-from detector.plane_fit import PlaneFit
-from formats import open_events
-from scenarios.eventfile import read_events
-from scenarios.report import print_runs
-from scenarios.run import Run
-from scenarios.sequence import run_sequence
-from scenarios.tables import estimate_row
+from detector.fly.detector import FlyDetector
+from detector.plane_fit.detector import PlaneFit
+from formats import open_events, read_events
+from scenarios.commands.run import Run
+from scenarios.output.tables import estimate_row
+from scenarios.runs.run_table import print_runs
+from scenarios.runs.sequence import run_sequence
 
 DRAWN = ("--step-px", "8", "--supersample", "1")
 COARSE = (*DRAWN, "--omega", "2.42")

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from emulator import ApsFrame
-from emulator.events import EVENT_DTYPE, Events
+from flybench.events import EVENT_DTYPE, Events
 from formats import open_writer
 
 SIZE = (346, 260)

@@ -11,10 +11,10 @@ import h5py
 import numpy as np
 import pytest
 
-from emulator.events import Events
+from flybench.events import Events
 from formats import FormatError, open_events, read_events, write_events
-from formats.guard import Guard
-from formats.raw import Options
+from formats.columns import Options
+from formats.isolated_reader import Guard
 from tests.formats.samples import SIZE, make, some_events
 
 W, H = SIZE

@@ -8,9 +8,9 @@ import h5py
 import numpy as np
 import pytest
 
-from emulator.events import EVENT_DTYPE, check_events
+from flybench.events import EVENT_DTYPE, check_events
 from formats import FormatError, open_events, read_events
-from formats.raw import RAW_DTYPE
+from formats.columns import RAW_DTYPE
 from tests.formats.samples import MAKERS, SIZE, hdf5, make, some_events, some_frames
 
 

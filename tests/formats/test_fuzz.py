@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from formats import FormatError, open_events
-from formats.magic import FORMATS, format_of
-from formats.raw import Options
-from formats.worker import MESSAGE, answer
+from formats.columns import Options
+from formats.identify import FORMATS, format_of
+from formats.parser_process import MESSAGE, answer
 from tests.formats.samples import MAKERS, SIZE, make, some_events
 
 IN_C = ("a.aedat4", "a.h5", "evt3.raw", "evt2.raw", "a.dat", "a.es")

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emulator import ApsFrame
-from emulator.events import EVENT_DTYPE, Events
+from flybench.events import EVENT_DTYPE, Events
 from formats import (
     ENDINGS,
     Chunk,

@@ -2,7 +2,7 @@ from typing import Any
 
 import numpy as np
 
-from emulator import EVENT_DTYPE
+from flybench.events import EVENT_DTYPE
 
 
 def events_at(*times_us: int) -> Any:

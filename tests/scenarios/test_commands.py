@@ -6,19 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from scenarios import doctor
-from scenarios.config import RunConfig
-from scenarios.demo import Demo
-from scenarios.doctor import Doctor
-from scenarios.errors import ScenarioError
-from scenarios.methods import MethodError
-from scenarios.report import print_runs
-from scenarios.run import Run
-from scenarios.terminal import execute
-from scenarios.velocity_sweep import VelocitySweep
+from scenarios.commands import doctor
+from scenarios.commands.demo import Demo
+from scenarios.commands.doctor import Doctor
+from scenarios.commands.run import Run
+from scenarios.commands.velocity_sweep import VelocitySweep
+from scenarios.errors import MethodError, ScenarioError
+from scenarios.output.terminal import execute
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.runs.run_table import print_runs
 from sim import Lighting
 from sim.errors import RendererError
-from sim.vulkan import INSTALL_COMMAND, VulkanDevice
+from sim.render.vulkan import INSTALL_COMMAND, VulkanDevice
 
 
 def test_doctor_names_device_and_rate(
@@ -45,7 +44,7 @@ def test_doctor_says_what_to_install(
 def test_a_machine_without_vulkan_gets_a_sentence(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("sim.vulkan.ctypes.util.find_library", lambda _: None)
+    monkeypatch.setattr("sim.render.vulkan.ctypes.util.find_library", lambda _: None)
     assert execute(Run(out=tmp_path / "out")) == 2
     assert INSTALL_COMMAND in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

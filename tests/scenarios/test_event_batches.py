@@ -5,7 +5,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulator import Cause
+from flybench.events import Cause
 from scenarios.recording.event_batches import EventBatches, EventBuffer, batch, class_id
 from tests.scenarios.drawn_events import events_at
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from flybench.direction import CARDINAL
 from scenarios.envelope.measure import measure
-from scenarios.envelope.stimulus import CARDINAL, Stimulus
+from scenarios.envelope.stimulus import Stimulus
 
 EXAMPLE = '''\
 import numpy as np

@@ -8,17 +8,19 @@ import pytest
 import rerun as rr
 import rerun.blueprint as rrb
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyMaps
-from emulator import ApsFrame, Cause
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyMaps
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.direction import Direction as SceneDirection
+from flybench.events import Cause
 from scenarios.errors import ScenarioError
 from scenarios.recording import Recorder
 from scenarios.recording.blueprint import blueprint, stream_blueprint
 from scenarios.recording.entities import TRUE_DIRECTION, paths_of
 from scenarios.recording.event_batches import class_id
 from sim import Crossing, CrossingConfig, GroundTruth, project
-from sim import Direction as SceneDirection
-from sim.witness import Witness
+from sim.truth.probe import TruthProbe
 from tests.scenarios.drawn_events import events_at
 from tests.scenarios.reading import Reading
 from tests.sim.seen import target_on
@@ -40,8 +42,8 @@ def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth
     mask = np.zeros((260, 346), np.bool_)
     if seen:
         mask[120:150, 100:140] = True
-    witness = Witness(crossing.scene, crossing.intrinsics)
-    return witness.at(t_us, crossing.seconds(t_us), target_on(mask, crossing.scene))
+    probe = TruthProbe(crossing.scene, crossing.intrinsics)
+    return probe.at(t_us, crossing.seconds(t_us), target_on(mask, crossing.scene))
 
 
 def jpeg(rgb: tuple[int, int, int]) -> bytes:

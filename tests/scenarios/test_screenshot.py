@@ -7,7 +7,7 @@ import pytest
 
 from scenarios.recording import Recorder
 from scenarios.recording.screenshot import ScreenshotError, screenshot
-from sim import Crossing, CrossingConfig, Witness
+from sim import Crossing, CrossingConfig, TruthProbe
 from tests.sim.seen import target_on
 
 SMALL_PX = (640, 400)
@@ -18,9 +18,9 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "recording.rrd"
     crossing = Crossing(CrossingConfig())
     _, jpeg = cv2.imencode(".jpg", np.full((260, 346, 3), (250, 0, 0), np.uint8))
-    witness = Witness(crossing.scene, crossing.intrinsics)
+    probe = TruthProbe(crossing.scene, crossing.intrinsics)
     unseen = target_on(np.zeros((260, 346), np.bool_), crossing.scene)
-    truth = witness.at(0, crossing.seconds(0), unseen)
+    truth = probe.at(0, crossing.seconds(0), unseen)
     with Recorder(path, crossing=crossing, parameters={}) as recorder:
         recorder.log_preview(jpeg.tobytes(), truth, scale=1.0)
     return path

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.aperture import LENS_BLUR_PX, aperture_weights
-from sim.camera import Eye, Intrinsics, Pose
-from sim.compose import compose
-from sim.moving_light import Lights
-from sim.raster import NOTHING
-from sim.street_light import Street
-from sim.surface_light import Surfaces
+from sim.geometry.pinhole import Eye, Intrinsics, Pose
+from sim.keyframes.background import Background
+from sim.keyframes.compositing import compose
+from sim.keyframes.surface_lookup import Surfaces
+from sim.raster.aperture import LENS_BLUR_PX, aperture_weights
+from sim.raster.scan_conversion import NOTHING
+from sim.shadows.moving_light import Lights
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
@@ -31,7 +31,7 @@ def flat_street(
     albedo: float = 0.0,
     lens: Intrinsics = LENS,
     size: int = 3,
-) -> Street:
+) -> Background:
     """A street in the image's plane.
 
     Args:
@@ -49,7 +49,7 @@ def flat_street(
     normals = np.zeros((lens.height, lens.width, 3), np.float32)
     normals[..., 2] = -1
     middle = size // 2
-    return Street(
+    return Background(
         pixels=points[:, middle::size, middle::size].copy(),
         points=np.ascontiguousarray(np.moveaxis(points, 0, -1)),
         albedo_points=np.full(fine, albedo, np.float32),
@@ -88,7 +88,7 @@ NO_SURFACES = Surfaces(
 
 
 def composed(
-    street: Street,
+    street: Background,
     light: Lights,
     surfaces: Surfaces = NO_SURFACES,
     label: I32 | None = None,
@@ -96,11 +96,11 @@ def composed(
     *,
     lens: Intrinsics = LENS,
     blur_px: float = LENS_BLUR_PX,
-    window: tuple[int, int, int, int] | None = None,
+    rectangle: tuple[int, int, int, int] | None = None,
 ) -> F32:
-    """The image, nan outside of the window; `label` and `nearness` are the window's."""
+    """The image, nan outside of the rectangle; `label` and `nearness` are the rectangle's."""
     size = len(street.nearness) // lens.height
-    x0, y0, x1, y1 = window or (0, 0, lens.width, lens.height)
+    x0, y0, x1, y1 = rectangle or (0, 0, lens.width, lens.height)
     fine = (y1 - y0) * size, (x1 - x0) * size
     image = np.full((lens.height, lens.width), np.nan, np.float32)
     compose(

@@ -3,10 +3,10 @@
 import numpy as np
 import numpy.typing as npt
 
-from sim.aperture import LENS_BLUR_PX
-from sim.keyframes import Keyframe, KeyframeStore, cut_pieces
-from sim.objects import MovingObject
-from sim.surface_light import Surfaces
+from sim.keyframes.store import Keyframe, KeyframeStore, cut_pieces
+from sim.keyframes.surface_lookup import Surfaces
+from sim.raster.aperture import LENS_BLUR_PX
+from sim.scene.moving_objects import MovingObject
 from tests.sim.flat import LENS
 
 F32 = npt.NDArray[np.float32]

@@ -4,26 +4,26 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.cache import LightStream
-from sim.light_file import Light
+from sim.cache.luminance_cache import LuminanceStream
+from sim.cache.luminance_file import Light
 
 SHAPE = 5, 7
 KEY = "a" * 64
 OTHER = "b" * 64
 
 
-def lights(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> LightStream:
-    """Samples of which each changes a window of the one before; the third changes nothing."""
+def lights(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> LuminanceStream:
+    """Samples of which each changes a rectangle of the one before; the third changes nothing."""
     rng = np.random.default_rng(seed)
     height, width = shape
     luminance = rng.lognormal(3, 2, shape).astype(np.float32)
     body = rng.integers(-1, 9, shape, np.int32)
-    window = 0, 0, width, height
+    rectangle = 0, 0, width, height
     for number in range(count):
-        yield Light(1000 * number, luminance.copy(), body.copy(), window)
+        yield Light(1000 * number, luminance.copy(), body.copy(), rectangle)
         x0, y0 = int(rng.integers(width - 1)), int(rng.integers(height - 1))
-        window = (x0, y0, width, height) if number != 1 else (0, 0, 0, 0)
-        x0, y0, x1, y1 = window
+        rectangle = (x0, y0, width, height) if number != 1 else (0, 0, 0, 0)
+        x0, y0, x1, y1 = rectangle
         luminance[y0:y1, x0:x1] *= rng.lognormal(0, 1, (y1 - y0, x1 - x0)).astype(np.float32)
         body[y0:y1, x0:x1] = rng.integers(-1, 300, (y1 - y0, x1 - x0))
 

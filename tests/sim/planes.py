@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.triangles import geom_triangles
+from sim.raster.triangles import geom_triangles
 
 F64 = npt.NDArray[np.float64]
 FINE_M, OVERLAP_M = 2e-4, 2e-3

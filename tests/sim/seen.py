@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from sim.scene import Scene
+from sim.scene.scene import Scene
 
 
 def target_on(mask: npt.NDArray[np.bool_], scene: Scene) -> npt.NDArray[np.int32]:

@@ -34,7 +34,7 @@ def test_a_bad_value_is_named_with_what_is_allowed(field: str, value: Any) -> No
     message = str(refusal.value)
     assert field in message
     assert str(value) in message
-    assert "allowed is" in message
+    assert "Allowed is" in message
 
 
 def test_names_from_the_command_line_become_members() -> None:

@@ -11,24 +11,24 @@ import numpy.typing as npt
 import pytest
 
 from emulator import Davis346, SensorConfig
+from flybench.direction import CARDINAL, Direction
 from sim import (
     Crossing,
     CrossingConfig,
-    Direction,
+    DenseTruth,
     Distractors,
     Lighting,
     Preview,
     Profile,
-    SceneGeometry,
-    Way,
-    Witness,
+    RelativeDirection,
+    TruthProbe,
     project,
 )
 from sim.errors import SceneConfigError
-from sim.luminance_model import luminance_model
-from sim.renderer import FilamentRenderer
-from sim.scene import compose
-from sim.trajectory import MAX_BEARING_RAD
+from sim.motion.trajectory import MAX_BEARING_RAD
+from sim.render.filament import FilamentRenderer
+from sim.render.luminance_model import luminance_model
+from sim.scene.scene import compose
 
 FOCAL_PX = 6e-3 / 18.5e-6
 
@@ -46,15 +46,15 @@ def crossing(lighting: str = "day", direction: str = "right", **options: Any) ->
 
 
 @pytest.mark.parametrize("profile", list(Profile))
-@pytest.mark.parametrize("direction", list(Direction))
+@pytest.mark.parametrize("direction", CARDINAL)
 def test_truth_agrees_with_the_projected_trajectory(direction: str, profile: str) -> None:
     """Against closed forms written out here: a flank at distance d, seen by a rolled camera."""
     omega, distance = 1.61, 6.89
     it = crossing(direction=direction, profile=Profile(profile))
     along = {"right": (1, 0), "left": (-1, 0), "up": (0, -1), "down": (0, 1)}[direction]
-    witness, nothing = Witness(it.scene, it.intrinsics), np.full((260, 346), -1, np.int32)
+    probe, nothing = TruthProbe(it.scene, it.intrinsics), np.full((260, 346), -1, np.int32)
     for t_us in it.times_us()[::9]:
-        truth, angle = witness.at(t_us, it.seconds(t_us), nothing), omega * it.seconds(t_us)
+        truth, angle = probe.at(t_us, it.seconds(t_us), nothing), omega * it.seconds(t_us)
         tangent = angle if profile == Profile.CONSTANT_SPEED else math.tan(angle)
         rate = omega if profile == Profile.CONSTANT_SPEED else omega / math.cos(angle) ** 2
         way_px = (truth.reference_px - [173, 130]) @ np.array(along)
@@ -105,7 +105,7 @@ def _bumpers(position_m: float) -> npt.NDArray[np.float64]:
 
 
 def test_outside_of_what_changed_the_light_is_exactly_as_before() -> None:
-    extra = Distractors(far_vehicle=Way.OPPOSITE)
+    extra = Distractors(far_vehicle=RelativeDirection.OPPOSITE)
     before, it = None, crossing("night", distractors=extra)
     times_us = it.times_us()
     for sample in it.samples(times_us[len(times_us) // 3 : len(times_us) // 2]):
@@ -179,9 +179,9 @@ def test_a_lead_that_constant_omega_has_no_room_for_is_refused_before_anything_i
 
     def seconds(lead_s: float) -> float:
         it = crossing(profile=Profile.CONSTANT_OMEGA, lead_s=lead_s)
-        witness, nothing = Witness(it.scene, it.intrinsics), np.full((260, 346), -1, np.int32)
+        probe, nothing = TruthProbe(it.scene, it.intrinsics), np.full((260, 346), -1, np.int32)
         for t_us in (0, it.times_us()[-1]):
-            witness.at(t_us, it.seconds(t_us), nothing)
+            probe.at(t_us, it.seconds(t_us), nothing)
         return it.seconds(it.duration_us)
 
     room_s = MAX_BEARING_RAD / 1.61 - (seconds(0.1) - 0.1)
@@ -195,7 +195,7 @@ def test_a_lead_that_constant_omega_has_no_room_for_is_refused_before_anything_i
 def test_the_sequence_begins_and_ends_with_the_vehicle_out_of_view(lighting: str) -> None:
     it = crossing(lighting)
     lead_us = it.config.lead_s * 1e6
-    geometry, target = SceneGeometry(it.scene, it.intrinsics), it.scene.target.bodies
+    geometry, target = DenseTruth(it.scene, it.intrinsics), it.scene.target.bodies
     seen_us = [
         t for t in it.times_us() if np.isin(geometry.visible(it.seconds(t)).body, target).any()
     ]

@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from sim import CrossingConfig, SceneConfigError
-from sim.distractors import Distractors, Pavement, VehicleKind, Way
+from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 
 
 @pytest.mark.parametrize(
@@ -34,14 +34,14 @@ def test_a_bad_value_is_named_with_what_is_allowed_and_what_to_do(field: str, va
     message = str(refusal.value)
     assert field in message
     assert str(value) in message
-    assert "allowed is" in message
+    assert "Allowed is" in message
     assert message.count(";") >= 2
 
 
 def test_by_default_nothing_else_moves() -> None:
     extra = Distractors()
     assert extra.wind_grade == 0
-    assert extra.far_vehicle is extra.pedestrian is Way.NONE
+    assert extra.far_vehicle is extra.pedestrian is RelativeDirection.NONE
     assert not extra.shakes
     assert not extra.flickers
 
@@ -52,7 +52,7 @@ def test_names_from_the_command_line_become_members() -> None:
         far_vehicle_kind="van",  # type: ignore[arg-type]
         pedestrian_pavement="near",  # type: ignore[arg-type]
     )
-    assert extra.far_vehicle is Way.SAME
+    assert extra.far_vehicle is RelativeDirection.SAME
     assert extra.far_vehicle_kind is VehicleKind.VAN
     assert extra.pedestrian_pavement is Pavement.NEAR
 
@@ -63,8 +63,8 @@ def test_every_field_is_documented() -> None:
 
 
 def test_a_walker_does_not_walk_into_the_camera() -> None:
-    near = Distractors(pedestrian=Way.SAME, pedestrian_pavement=Pavement.NEAR)
+    near = Distractors(pedestrian=RelativeDirection.SAME, pedestrian_pavement=Pavement.NEAR)
     with pytest.raises(SceneConfigError, match=r"distance_m is 3\.5.*near pavement.*allowed is 4"):
         CrossingConfig(distance_m=3.5, distractors=near)
     CrossingConfig(distance_m=4.5, distractors=near)
-    CrossingConfig(distance_m=3.5, distractors=Distractors(pedestrian=Way.SAME))
+    CrossingConfig(distance_m=3.5, distractors=Distractors(pedestrian=RelativeDirection.SAME))

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim import Crossing, CrossingConfig, Distractors, SimError, Way
+from sim import Crossing, CrossingConfig, Distractors, RelativeDirection, SimError
 from sim.event_truth import NOISE, event_truth
-from sim.scene_geometry import BACKGROUND, SceneGeometry
+from sim.truth.dense_truth import BACKGROUND, DenseTruth
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "?")])
 LIGHT, DARK_CURRENT = 0, 2
@@ -17,7 +17,7 @@ LIGHT, DARK_CURRENT = 0, 2
 
 @pytest.fixture(scope="module")
 def crossing() -> Crossing:
-    return Crossing(CrossingConfig(distractors=Distractors(far_vehicle=Way.OPPOSITE)))
+    return Crossing(CrossingConfig(distractors=Distractors(far_vehicle=RelativeDirection.OPPOSITE)))
 
 
 def everywhere(t_us: int) -> npt.NDArray[np.void]:
@@ -29,8 +29,8 @@ def everywhere(t_us: int) -> npt.NDArray[np.void]:
 
 
 @functools.cache
-def geometry_of(crossing: Crossing) -> SceneGeometry:
-    return SceneGeometry(crossing.scene, crossing.intrinsics)
+def geometry_of(crossing: Crossing) -> DenseTruth:
+    return DenseTruth(crossing.scene, crossing.intrinsics)
 
 
 def labels(crossing: Crossing, t_us: int) -> npt.NDArray[np.int8]:

@@ -10,8 +10,8 @@ import pytest
 
 from emulator import Davis346, SensorConfig
 from sim import PhotometricCamera, RendererError, SceneConfigError, open_model
-from sim.assets_folder import ASSETS
 from sim.photometric_camera import A_LIGHT
+from sim.scene.assets import ASSETS
 
 SIZE: dict[str, Any] = {"width": 64, "height": 48}
 ROOM = """
@@ -252,7 +252,7 @@ def test_a_device_that_is_lost_half_way_is_told_in_a_sentence(
 def test_no_device_at_all_is_told_with_what_to_install(
     pendulum: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sim.vulkan.vulkan_devices", list)
+    monkeypatch.setattr("sim.render.vulkan.vulkan_devices", list)
     with pytest.raises(RendererError, match="apt-get install"):
         PhotometricCamera(pendulum, "eye", **SIZE)
 

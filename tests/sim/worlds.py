@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.triangles import geom_triangles
+from sim.raster.triangles import geom_triangles
 
 F64 = npt.NDArray[np.float64]
 

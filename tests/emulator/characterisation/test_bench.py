@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, SensorConfig
+from emulator import SensorConfig
 from emulator.characterisation.bench import (
     between,
     chip_luminance,
@@ -17,6 +17,7 @@ from emulator.characterisation.bench import (
     time_constant_us,
     uniform,
 )
+from flybench.events import EVENT_DTYPE
 
 CONFIG = SensorConfig(f_number=1.4, transmission=0.9)
 

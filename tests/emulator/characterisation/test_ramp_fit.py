@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, FitError, SensorConfig, empty_events
+from emulator import FitError, SensorConfig
 from emulator.characterisation.bench import chip_luminance, record, resized, uniform
 from emulator.characterisation.ramp_fit import Thresholds, fit_ramps
+from flybench.events import EVENT_DTYPE, empty_events
 
 SIDE_PX = 24
 

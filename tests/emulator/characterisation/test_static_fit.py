@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, EventError, FitError, SensorConfig, empty_events
+from emulator import FitError, SensorConfig
 from emulator.characterisation.bench import (
     Recording,
     chip_luminance,
@@ -16,7 +16,9 @@ from emulator.characterisation.bench import (
     uniform,
 )
 from emulator.characterisation.static_fit import StaticFit, fit_static
-from emulator.noise import SHOT_LUX, SHOT_OFF_HZ, SHOT_ON_PER_OFF
+from emulator.pixel.noise import SHOT_LUX, SHOT_OFF_HZ, SHOT_ON_PER_OFF
+from flybench.errors import EventError
+from flybench.events import EVENT_DTYPE, empty_events
 
 SIDE_PX = 32
 DRIFT_PER_S = 0.018

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 import tyro
 
-from detector.estimate import Direction
-from emulator import EVENT_DTYPE, ApsFrame, Events
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.events import EVENT_DTYPE, Events
 from formats import Chunk, open_writer, write_events
-from scenarios.detect.command import Detect
-from scenarios.methods import BASELINES, FLY_PRESETS
-from scenarios.terminal import execute
-from scenarios.view import MAGIC
+from scenarios.commands.detect import Detect
+from scenarios.commands.view import MAGIC
+from scenarios.output.terminal import execute
+from scenarios.pipeline.registry import DETECTORS
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
 from tests.scenarios.reading import Reading
 
@@ -180,7 +181,7 @@ def test_help_names_every_method(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         tyro.cli(Detect, args=["--help"])
     told = re.sub(r"[\s│]+", " ", capsys.readouterr().out)
-    for name in (*FLY_PRESETS, *BASELINES):
+    for name in DETECTORS:
         assert f" {name}," in told
 
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
 from detector.metrics import verdict
-from emulator import EVENT_DTYPE, ApsFrame
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.events import EVENT_DTYPE
 from scenarios.detect.tally import Curves, Verdict
 from scenarios.detect.watching import Look
 

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyDetector
-from detector.frame_fly import FrameFly
-from emulator import EVENT_DTYPE, ApsFrame, Events, empty_events
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyDetector
+from detector.frame_fly.detector import FrameFly
+from emulator import ApsFrame
+from flybench.direction import Direction
+from flybench.events import EVENT_DTYPE, Events, empty_events
 from formats import Chunk
 from scenarios.detect.watching import Look, watch
 from scenarios.recording import FileRecorder, stream_recorder

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from emulator import Davis346, Events, preset
+from emulator import Davis346, preset
+from flybench.events import Events
 from formats import open_events, read_events
-from scenarios.emulate.command import Emulate
-from scenarios.terminal import execute
+from scenarios.commands.emulate import Emulate
+from scenarios.output.terminal import execute
 from tests.scenarios.emulate.moving import bar, pictures, wall
 
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from detector.estimate import Direction
-from emulator import check_events
+from flybench.direction import CARDINAL, Direction
+from flybench.events import check_events
 from scenarios.envelope.drawing import Drawn, draw
-from scenarios.envelope.stimulus import CARDINAL, Background, Stimulus, Surface
+from scenarios.envelope.stimulus import Background, Stimulus, Surface
 
 QUIET = {"noise_hz": 0.0, "speed_px_s": 1000.0}
 

@@ -1,8 +1,8 @@
 import pytest
 
-from detector.estimate import Direction
+from flybench.direction import CARDINAL, Direction
 from scenarios.envelope.grid import BASE, LEVELS, Grid
-from scenarios.envelope.stimulus import CARDINAL, Background
+from scenarios.envelope.stimulus import Background
 from scenarios.errors import ScenarioError
 
 

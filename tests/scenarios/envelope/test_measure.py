@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
-from detector.fly import FlyDetector
+from detector.fly.detector import FlyDetector
+from flybench.direction import CARDINAL
 from scenarios.envelope.drawing import draw
 from scenarios.envelope.measure import measure
-from scenarios.envelope.stimulus import CARDINAL, Stimulus
-from scenarios.judgement import judge
-from scenarios.methods import MethodError
+from scenarios.envelope.stimulus import Stimulus
+from scenarios.errors import MethodError
+from scenarios.pipeline.scoring import judge
 
 
 def test_a_row_names_method_stimulus_and_result() -> None:

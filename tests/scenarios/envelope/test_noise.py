@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from emulator import EVENT_DTYPE, check_events
+from flybench.events import EVENT_DTYPE, check_events
 from scenarios.envelope.noise import merge, poisson_noise
 
 SIZE = {"width": 40, "height": 30}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from emulator import Events
+from flybench.events import Events
 from scenarios.envelope import pixels
 from scenarios.envelope.pixels import THETA_OFF, THETA_ON, Canvas
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from detector.estimate import Direction
+from flybench.direction import CARDINAL, Direction
 from scenarios.envelope.scene import FARTHER, LEAD_S, WATCH_S, make_scene
-from scenarios.envelope.stimulus import CARDINAL, Background, Stimulus, Surface
+from scenarios.envelope.stimulus import Background, Stimulus, Surface
 
 VELOCITY: dict[Direction, tuple[int, int]] = {
     Direction.RIGHT: (1, 0),

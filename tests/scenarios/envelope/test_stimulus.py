@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from detector.estimate import Direction
+from flybench.direction import Direction
 from scenarios.envelope.stimulus import Stimulus
 from scenarios.errors import ScenarioError
 

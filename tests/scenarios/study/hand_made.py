@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
 from detector.metrics import Box
-from scenarios.judgement import Track, judge
-from scenarios.methods import CONTRAST, FLY, FRAME_FLY, VELOCITY_METHODS
+from flybench.direction import Direction
+from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, gives_velocity
+from scenarios.pipeline.scoring import Track, judge
 from scenarios.study.results import MethodRun, Sequence, Snapshot
 
 METHODS = (FLY, FRAME_FLY, CONTRAST)
@@ -38,7 +39,7 @@ def an_estimate(method: str, t_us: int, hs: float, speed_px_s: float) -> MotionE
         vs=0.05,
         direction=direction,
         strength=abs(hs),
-        response=(speed_px_s, 0.0) if method in VELOCITY_METHODS else (1000 * hs, 0.0),
+        response=(speed_px_s, 0.0) if gives_velocity(method) else (1000 * hs, 0.0),
         view_centre_px=(18.0, 12.0),
         roi_px=(6, 6, 20, 16) if method == FLY else None,
     )
@@ -60,10 +61,10 @@ def a_run(method: str, seed: int, *, hs: float = 0.5, speed_px_s: float = 400.0)
         seed=seed,
         estimates=tuple(estimates),
         judgement=judge(estimates, "right", IN_VIEW_US, track),
-        velocity_error_px_s=3.0 + seed if method in VELOCITY_METHODS and hs else None,
+        velocity_error_px_s=3.0 + seed if gives_velocity(method) and hs else None,
         cpu_s=0.01 * (1 + seed),
         events=1000,
-        velocity_bias_px_s=1.0 if method in VELOCITY_METHODS and hs else None,
+        velocity_bias_px_s=1.0 if gives_velocity(method) and hs else None,
     )
 
 

@@ -5,16 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
 from emulator import Davis346
-from scenarios.methods import CONTRAST, FLY, FRAME_FLY
+from flybench.direction import Direction
+from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study import one_sequence
 from scenarios.study.one_sequence import Audience, SequenceTask, run_one, velocity_errors
 from scenarios.study.results import Sequence
 from scenarios.study.watcher import make_watcher
 from sim import CrossingConfig
+from tests.scenarios.pipeline.test_repeats import CROSSING, samples
 from tests.scenarios.study.hand_made import a_sequence
-from tests.scenarios.test_repeats import CROSSING, samples
 
 TASK = SequenceTask(CrossingConfig(), methods=(FLY, FRAME_FLY), seeds=(3, 8))
 

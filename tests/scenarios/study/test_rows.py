@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from detector.estimate import Direction, MotionEstimate
+from detector.estimate import MotionEstimate
+from flybench.direction import Direction
 from scenarios.study.results import MethodRun, Sequence
 from scenarios.study.rows import COLUMNS, response, study_rows
 

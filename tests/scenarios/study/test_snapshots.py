@@ -1,8 +1,9 @@
 import numpy as np
 
-from detector.estimate import Direction, MotionEstimate
-from detector.fly import FlyMaps
+from detector.estimate import MotionEstimate
+from detector.fly.detector import FlyMaps
 from emulator import ApsFrame
+from flybench.direction import Direction
 from scenarios.study.snapshots import Album
 
 GRID = np.zeros((4, 5), np.float32)

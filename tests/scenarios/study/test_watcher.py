@@ -3,8 +3,9 @@ import pytest
 
 from detector.errors import DetectorConfigError
 from emulator import ApsFrame, SensorOutput
-from emulator.events import EVENT_DTYPE
-from scenarios.methods import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, MethodError
+from flybench.events import EVENT_DTYPE
+from scenarios.errors import MethodError
+from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, PLANE_FIT
 from scenarios.study.watcher import gathered, make_watcher, warm_up
 
 SIZE = {"width": 60, "height": 48}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.errors import ScenarioError
-from scenarios.parallel import run_on_cluster
+from scenarios.pipeline.parallel import run_on_cluster
 from scenarios.sweep.folder import CSV, PARQUET
 from tests.scenarios.sweep.cheap import finished_points, start, sweep_alone, sweep_on_cluster
 
@@ -83,14 +83,14 @@ def test_a_worker_killed_half_way_loses_no_point(scheduler: str, tmp_path: Path)
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_no_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.parallel._ANSWER_S", 0.2)
+    monkeypatch.setattr("scenarios.pipeline.parallel._ANSWER_S", 0.2)
     with pytest.raises(ScenarioError, match=r"no Dask scheduler answers at 127.0.0.1:9 .* start"):
         list(run_on_cluster(abs, [1], address="127.0.0.1:9"))
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_no_worker_is_told(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.parallel._ANSWER_S", 0.5)
+    monkeypatch.setattr("scenarios.pipeline.parallel._ANSWER_S", 0.5)
     with pytest.raises(ScenarioError, match=r"has no worker; .* dask worker tcp://127.0.0.1:"):
         list(run_on_cluster(abs, [1], address=scheduler))
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 
 from emulator import SensorConfig
-from scenarios.config import RunConfig, flat
 from scenarios.errors import ScenarioError
-from scenarios.judgement import Track, judge
-from scenarios.light_options import LightOptions
-from scenarios.pipeline import Stopwatch, make_crossing, make_detector, note, run_steps
-from scenarios.summary import EventTally, truth_summary
+from scenarios.options.cache import CacheOptions
+from scenarios.pipeline.run_config import RunConfig, flat
+from scenarios.pipeline.running import Stopwatch, make_crossing, make_detector, note, run_steps
+from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.summary import EventTally, truth_summary
 from scenarios.sweep.code import code_digest
 from scenarios.sweep.measure import MOST_TOGETHER, Failure, Results, Task, make_tasks, measure
 from sim import CrossingConfig
@@ -27,15 +27,15 @@ CONFIGS = (
 
 
 @pytest.fixture(scope="module")
-def light(tmp_path_factory: pytest.TempPathFactory) -> LightOptions:
-    return LightOptions(cache=tmp_path_factory.mktemp("light"))
+def light(tmp_path_factory: pytest.TempPathFactory) -> CacheOptions:
+    return CacheOptions(cache=tmp_path_factory.mktemp("light"))
 
 
-def task(*configs: RunConfig, light: LightOptions) -> Task:
+def task(*configs: RunConfig, light: CacheOptions) -> Task:
     return Task(configs, light, code_digest(), alone=True)
 
 
-def alone(config: RunConfig, light: LightOptions) -> Results:
+def alone(config: RunConfig, light: CacheOptions) -> Results:
     """As `flybench run` does it."""
     crossing, detector = make_crossing(config, light.open()), make_detector(config)
     tally, track, said = EventTally(), Track(), []
@@ -48,7 +48,7 @@ def alone(config: RunConfig, light: LightOptions) -> Results:
     return dict(flat({"truth": truth, "events": tally.summary(), "detector": judged}))
 
 
-def test_every_point_is_as_it_would_be_alone(light: LightOptions) -> None:
+def test_every_point_is_as_it_would_be_alone(light: CacheOptions) -> None:
     together = measure(task(*CONFIGS, light=light))
     assert together == [alone(config, light) for config in CONFIGS]
     counts = [result["events.count"] for result in together if not isinstance(result, Failure)]
@@ -57,7 +57,7 @@ def test_every_point_is_as_it_would_be_alone(light: LightOptions) -> None:
     assert together[0]["detector.direction"] == "right"  # type: ignore[index]
 
 
-def test_what_fails_fails_alone(light: LightOptions) -> None:
+def test_what_fails_fails_alone(light: CacheOptions) -> None:
     bee = replace(FLY, method="tests.scenarios.sweep.cheap:Bee", fly=None)
     good, bad = measure(task(FLY, bee, light=light))
     assert good == measure(task(FLY, light=light))[0]
@@ -65,7 +65,7 @@ def test_what_fails_fails_alone(light: LightOptions) -> None:
     assert bad.reason.startswith("RuntimeError: no nectar (cheap.py, line ")
 
 
-def test_other_code_is_refused(light: LightOptions) -> None:
+def test_other_code_is_refused(light: CacheOptions) -> None:
     with pytest.raises(ScenarioError, match=r"runs another version of flybench .* start anew"):
         measure(Task((FLY,), light, code="of last year"))
 
@@ -74,7 +74,7 @@ def test_tasks_share_light_and_begin_with_one_of_each() -> None:
     night = replace(FLY, crossing=replace(COARSE, street_seed=1))
     wide = replace(FLY, sensor=SensorConfig(width=97, height=64))
     configs = [replace(c, seed=n) for n in range(MOST_TOGETHER + 1) for c in (FLY, night, wide)]
-    tasks = make_tasks(configs, LightOptions())
+    tasks = make_tasks(configs, CacheOptions())
     assert [len(task.configs) for task in tasks] == [MOST_TOGETHER] * 3 + [1] * 3
     assert sorted(c.name for task in tasks for c in task.configs) == sorted(c.name for c in configs)
     for task in tasks:
@@ -82,4 +82,4 @@ def test_tasks_share_light_and_begin_with_one_of_each() -> None:
 
 
 def test_a_sweep_of_nothing_has_no_task() -> None:
-    assert make_tasks([], LightOptions()) == []
+    assert make_tasks([], CacheOptions()) == []

@@ -5,10 +5,11 @@ from typing import Any
 
 import pytest
 
-from detector.fly_config import FlyConfig
+from detector.fly.config import FlyConfig
 from emulator import SensorConfig, preset
-from scenarios.config import RunConfig
+from flybench.direction import Direction
 from scenarios.errors import ScenarioError
+from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.parameters import (
     PRESET,
     allowed,
@@ -17,7 +18,7 @@ from scenarios.sweep.parameters import (
     make_config,
     parameter_types,
 )
-from sim import Direction, Lighting
+from sim import Lighting
 
 
 def test_every_parameter_of_a_run_is_known_and_the_preset() -> None:

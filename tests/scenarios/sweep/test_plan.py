@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.config import RunConfig
+from flybench.direction import Direction
+from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.plan import Plan, read_plan
 from scenarios.sweep.sweep_file import SweepFileError
-from sim import CrossingConfig, Direction, Distractors, Way
+from sim import CrossingConfig, Distractors, RelativeDirection
 
 EXAMPLES = Path(__file__).parents[3] / "scenarios" / "sweep" / "examples"
 
@@ -53,7 +54,7 @@ def test_the_last_axis_is_fastest_then_draws_then_seeds(tmp_path: Path) -> None:
     drawn = [p.config.sensor.theta_on for p in points]
     assert drawn == drawn[:4] * 4
     assert drawn[0] == drawn[1] != drawn[2] == drawn[3]
-    busy = Distractors(far_vehicle=Way.SAME, wind_grade=3)
+    busy = Distractors(far_vehicle=RelativeDirection.SAME, wind_grade=3)
     assert points[4].config.crossing == CrossingConfig(
         direction=Direction.UP, lead_s=0.1, distractors=busy
     )

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from scenarios.errors import OutputError
-from scenarios.parallel import run_here
+from scenarios.pipeline.parallel import run_here
 from scenarios.sweep.folder import CSV, FILES, JOURNAL, LOCK, PARQUET, sweep_folder
 from scenarios.sweep.plan import read_plan
 from scenarios.sweep.run import Measure, finished, run_sweep

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from scenarios.config import RunConfig
+from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.plan import Point
 from scenarios.sweep.table import rows, write_csv, write_parquet
 

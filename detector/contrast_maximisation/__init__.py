@@ -1,0 +1,1 @@
+"""Contrast maximisation: the image velocity that makes the warped events sharpest."""

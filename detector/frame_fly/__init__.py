@@ -1,0 +1,1 @@
+"""The frame-based fly of Fu and Yue (2020), which works on APS frames."""

@@ -1,0 +1,1 @@
+"""Local plane fits to the surface of active events (Benosman et al. 2014)."""

@@ -1,0 +1,1 @@
+"""The active pixel sensor: frames exposed over the same light as the events."""

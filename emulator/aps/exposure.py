@@ -1,0 +1,130 @@
+"""The exposure of a frame and its conversion, pixel by pixel; see `emulator.aps.frames`."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from emulator.pixel.scan import Masks
+from emulator.pixel.state import BLOCK
+from flybench.kernels import compiled
+from flybench.portable_math import lowest_bit
+
+_ONE = np.uint64(1)
+
+Floats = npt.NDArray[np.float32]
+Seconds = npt.NDArray[np.float64]
+Longs = npt.NDArray[np.int64]
+
+
+@compiled
+def trapezoid_weights(from_us: int, to_us: int, start_us: int, end_us: int) -> tuple[float, float]:
+    """Weights of the two ends in the integral of a straight line over part of a step.
+
+    Args:
+        from_us: start of the step, whose light is the first end [µs].
+        to_us: end of the step [µs].
+        start_us: start of the part, not before `from_us` [µs].
+        end_us: end of the part, not after `to_us` [µs].
+
+    Returns:
+        Weights of the light at `from_us` and at `to_us` [s]; their sum is the part's duration.
+    """
+    span_s = (end_us - start_us) * 1e-6
+    after = (0.5 * (start_us + end_us) - from_us) / (to_us - from_us)
+    return span_s * (1.0 - after), span_s * after
+
+
+@compiled
+def expose_rows(
+    from_us: int,
+    to_us: int,
+    start_us: int,
+    exposure_us: int,
+    delays_us: Longs,
+    seconds: Seconds,
+    weights: Seconds,
+) -> None:
+    """Add what a step exposes of each row to its seconds; see `trapezoid_weights`.
+
+    Args:
+        from_us: start of the step [µs].
+        to_us: end of the step [µs].
+        start_us: start of the first row's exposure [µs].
+        exposure_us: duration of each exposure [µs].
+        delays_us: (rows,) by how much later each row is exposed than the first [µs].
+        seconds: (rows,) time exposed so far [s]; changed in place.
+        weights: (rows,) weight of the light at `from_us` in the integral so far [s], put out.
+    """
+    for row in range(seconds.size):
+        begin = min(max(start_us + delays_us[row], from_us), to_us)
+        end = min(max(start_us + delays_us[row] + exposure_us, from_us), to_us)
+        before, after = trapezoid_weights(from_us, to_us, begin, end)
+        weights[row] = seconds[row] + before
+        seconds[row] += before + after
+
+
+@compiled
+def correct(
+    correction: Floats, before: Floats, after: Floats, changed: Masks, weights: Seconds, width: int
+) -> None:
+    """Add (before − after)·weight of the row to the correction of each pixel that has changed.
+
+    Args:
+        correction: (pixels,) [cd·s/m²]; changed in place.
+        before: (pixels,) light before the change [cd/m²].
+        after: (pixels,) light after it [cd/m²].
+        changed: (blocks,) masks of the pixels whose light has changed.
+        weights: (rows,) time for which the light before is to count more than it will [s].
+        width: columns of the sensor [px].
+    """
+    row, row_end = 0, width
+    for block in range(changed.size):
+        mask = changed[block]
+        while mask:
+            i = block * BLOCK + int(lowest_bit(mask))
+            mask &= mask - _ONE
+            while i >= row_end:
+                row += 1
+                row_end += width
+            correction[i] += (before[i] - after[i]) * np.float32(weights[row])
+
+
+@compiled
+def collect(
+    correction: Floats,
+    light: Floats,
+    seconds: Seconds,
+    width: int,
+    gain: float,
+    dark: float,
+    out: Floats,
+) -> None:
+    """Put gain · (light · its row's seconds + correction) + dark, electrons, into `out`."""
+    for row in range(seconds.size):
+        share, whole, offset = np.float32(seconds[row] * gain), np.float32(gain), np.float32(dark)
+        here = slice(row * width, (row + 1) * width)
+        shining, corrected, electrons = light[here], correction[here], out[here]
+        for i in range(width):
+            electrons[i] = shining[i] * share + corrected[i] * whole + offset
+
+
+@compiled
+def add_noise(electrons: Floats, normal: Floats, read_variance: float, gains: Floats) -> None:
+    """Photon shot noise (variance = mean), read noise and unlike gains, in place.
+
+    Where a count is too small for a Gaussian, read noise of tens of electrons hides it.
+    """
+    for i in range(electrons.size):
+        mean = electrons[i] * gains[i]
+        electrons[i] = mean + np.sqrt(mean + np.float32(read_variance)) * normal[i]
+
+
+@compiled
+def convert(
+    electrons: Floats, full_well: float, per_electron: float, levels: npt.NDArray[np.uint16]
+) -> None:
+    """Fill the wells, then round to levels; below 0 the converter reads 0."""
+    for i in range(electrons.size):
+        filled = min(max(electrons[i], np.float32(0.0)), np.float32(full_well))
+        levels[i] = np.uint16(filled * np.float32(per_electron) + np.float32(0.5))

@@ -1,0 +1,1 @@
+"""The experiments of the data sheet, one file each."""

@@ -1,0 +1,1 @@
+"""The event pixel: from luminance to events, for one pixel and for all of them."""

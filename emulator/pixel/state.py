@@ -1,0 +1,170 @@
+"""The state of all event pixels, and what is frozen about them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from emulator.config import SensorConfig
+from emulator.pixel.change_detector import draw_thresholds
+from emulator.pixel.noise import NoiseLaw, draw_crazy_rates, draw_hot_rates, exponential, noise_law
+from emulator.pixel.optics import lux_per_cd_m2
+from flybench.kernels import compiled
+
+BLOCK = 64
+"""Neighbouring pixels that are looked at together: one bit each of a 64-bit mask."""
+
+Floats = npt.NDArray[np.float32]
+Ticks = npt.NDArray[np.int32]
+"""Times [µs from the first sample], modulo 2^32: differences of up to 35 minutes are exact, and
+none is greater, since a pixel sleeps for 18 minutes at most."""
+
+
+PIXEL_DTYPE = np.dtype(
+    [
+        ("lag", np.float32),
+        ("change", np.float32),
+        ("leak", np.float32),
+        ("clock", np.float32),
+        ("draws", np.uint32),
+        ("touched_us", np.int32),
+        ("theta_on", np.float32),
+        ("theta_off", np.float32),
+        ("hot_rate", np.float32),
+    ],
+    align=True,
+)
+"""One pixel: what it remembers, and what mismatch has made of it once and for all. Differences,
+not levels, are kept, since float32 resolves them to 1e-8. With its light and its time to wake it
+takes 44 bytes: 32 of state, 12 of mismatch.
+
+lag: u less the photoreceptor's output [ln units].
+change: photoreceptor's output less the memorised value, without leak [ln units].
+leak: what leak has added to that difference since the last event [ln units]; in a pixel held in
+    reset, where it is zero, minus what is left of the refractory period [µs].
+clock: what is left of the unit exponential that times the next noise event.
+draws: random numbers used so far.
+touched_us: time up to which the others hold; a sleeping pixel (its light constant, no event
+    before its time to wake) is left as it was.
+theta_on: ON threshold [ln units].
+theta_off: OFF threshold, positive [ln units].
+hot_rate: rate of a hot pixel; minus that of a crazy one, which fires ON and OFF; 0 for others
+    [events/µs].
+"""
+
+Pixels: TypeAlias = npt.NDArray[Any]
+"""One-dimensional structured array of `PIXEL_DTYPE`, row by row."""
+
+
+class PixelState(NamedTuple):
+    """All pixels, row by row.
+
+    Attributes:
+        luminance: (pixels,) light at the last sample [cd/m²].
+        wake_us: (pixels,) no event is possible before, unless the light changes.
+        block_wake_us: (blocks,) earliest `wake_us` of each block.
+        pixels: (pixels,) what they remember, and are.
+        behind: (pixels,) photoreceptor's output less its follower's [ln units]; (0,) without one.
+    """
+
+    luminance: Floats
+    wake_us: Ticks
+    block_wake_us: Ticks
+    pixels: Pixels
+    behind: Floats
+
+
+class PixelModel(NamedTuple):
+    """Constants of the kernels, the same for all pixels.
+
+    Attributes:
+        lux_per_cd_m2: illuminance of the chip per luminance of the scene.
+        dark_lux: dark current [lux].
+        corner_per_lux: 1/τ of the photoreceptor per lux [1/(µs·lux)].
+        corner_limit: 1/τ that the biases allow [1/µs].
+        log_limit: u above which the biases limit [ln lux].
+        refractory_us: refractory period [µs].
+        follower_us: time constant of the follower, 0 without one [µs].
+        noise: rates of noise against light.
+        seed: of the random numbers in the kernels.
+    """
+
+    lux_per_cd_m2: float
+    dark_lux: float
+    corner_per_lux: float
+    corner_limit: float
+    log_limit: float
+    refractory_us: float
+    follower_us: float
+    noise: NoiseLaw
+    seed: np.uint64
+
+
+def draw_pixels(config: SensorConfig, rng: np.random.Generator) -> Pixels:
+    """Draw the thresholds and the faulty pixels of a sensor; memories are zero.
+
+    A dead pixel has thresholds that nothing reaches, and a clock that never runs out.
+    """
+    count = config.width * config.height
+    pixels = np.zeros(count, PIXEL_DTYPE)
+    pixels["theta_on"] = draw_thresholds(config.theta_on, config.theta_mismatch, count, rng)
+    pixels["theta_off"] = draw_thresholds(config.theta_off, config.theta_mismatch, count, rng)
+    pixels["hot_rate"] = draw_hot_rates(config, rng)
+    faults = rng.spawn(1)[0]
+    crazy_rate = draw_crazy_rates(config, faults)
+    pixels["hot_rate"] = np.where(crazy_rate > 0.0, -crazy_rate, pixels["hot_rate"])
+    dead = faults.random(count) < config.dead_fraction
+    pixels["theta_on"][dead] = pixels["theta_off"][dead] = np.inf
+    pixels["hot_rate"][dead] = 0.0
+    return pixels
+
+
+def make_model(config: SensorConfig, seed: np.uint64) -> PixelModel:
+    """Constants of the kernels for a sensor."""
+    per_hz = 2.0 * math.pi * 1e-6
+    return PixelModel(
+        lux_per_cd_m2=lux_per_cd_m2(f_number=config.f_number, transmission=config.transmission),
+        dark_lux=config.warm_dark_lux,
+        corner_per_lux=per_hz * config.bandwidth_hz_per_lux,
+        corner_limit=per_hz * config.bandwidth_limit_hz,
+        log_limit=math.log(config.bandwidth_limit_hz / config.bandwidth_hz_per_lux),
+        refractory_us=float(config.refractory_us),
+        follower_us=1.0 / (per_hz * config.follower_hz) if config.follower_hz > 0.0 else 0.0,
+        noise=noise_law(config),
+        seed=seed,
+    )
+
+
+@compiled
+def wind_up(pixels: Pixels, seed: np.uint64) -> None:
+    """Wind the noise clocks of pixels up for the first time.
+
+    Args:
+        pixels: (pixels,) changed in place.
+        seed: of the random numbers.
+    """
+    for i in range(pixels.size):
+        dead = pixels[i].theta_on == np.inf
+        pixels[i].clock = np.inf if dead else exponential(seed, i, 0)
+        pixels[i].draws = 1
+
+
+def settled_state(luminance: Floats, model: PixelModel, pixels: Pixels) -> PixelState:
+    """Pixels that have looked at one scene for long.
+
+    Args:
+        luminance: (pixels,) light of the scene [cd/m²].
+        model: the sensor.
+        pixels: (pixels,) as they were drawn; changed in place.
+    """
+    wind_up(pixels, model.seed)
+    return PixelState(
+        luminance=luminance.copy(),
+        wake_us=np.zeros(luminance.size, np.int32),
+        block_wake_us=np.zeros(-(-luminance.size // BLOCK), np.int32),
+        pixels=pixels,
+        behind=np.zeros(luminance.size if model.follower_us > 0.0 else 0, np.float32),
+    )

@@ -1,0 +1,1 @@
+"""The readout: the arbiter that takes events off the chip, row by row."""

@@ -1,0 +1,1 @@
+"""The commands of `flybench`, one file each."""

@@ -1,0 +1,1 @@
+"""How well the events of a coarser rendering match those of the finest."""

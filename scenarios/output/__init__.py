@@ -1,0 +1,1 @@
+"""What commands write: folders, tables, figures, pages and terminal output."""

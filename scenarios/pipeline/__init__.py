@@ -1,0 +1,1 @@
+"""From luminance to a scored decision: detectors, runs, scores and summaries."""

@@ -1,0 +1,163 @@
+"""The registry of detectors: everything that commands and figures know about each of them.
+
+To add a detector, write its file in `detector/`, add one entry to `DETECTORS`, and test it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from detector import (
+    ContrastConfig,
+    ContrastMaximisation,
+    Detector,
+    FlyConfig,
+    FlyDetector,
+    FrameFly,
+    FrameFlyConfig,
+    PlaneFit,
+    PlaneFitConfig,
+)
+
+FLY, WIDE = "fly", "wide"
+FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
+COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
+
+
+class Family(StrEnum):
+    """Kinds of detectors that the study compares, one panel of the paper's figures each."""
+
+    EVENT_FLY = "event-driven fly"
+    FRAME_FLY = "frame-based fly"
+    VELOCITY = "velocity estimation"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetectorEntry:
+    """One detector of ours.
+
+    Attributes:
+        name: name for `--method`, in tables and in file names.
+        factory: class of the detector; called with the configuration, width and height.
+        config: its parameters, a frozen dataclass.
+        family: the panel of the study's figures that it belongs to.
+        label: name in figures and tables.
+        colour: colour of its lines, as #rrggbb.
+        marker: matplotlib's letter for its points, so that colour is not the only difference.
+        gives_velocity: True if `MotionEstimate.response` is the image velocity itself [px/s].
+        looks_at_frames: True if it needs APS frames.
+        in_study: True if `flybench study` runs it by default.
+    """
+
+    name: str
+    factory: Callable[..., Detector]
+    config: Any
+    family: Family
+    label: str
+    colour: str
+    marker: str
+    gives_velocity: bool = False
+    looks_at_frames: bool = False
+    in_study: bool = True
+
+    def make(self, *, width: int, height: int) -> Detector:
+        """Return a fresh detector for a sensor of this size [px]."""
+        return self.factory(self.config, width=width, height=height)
+
+    def make_with(self, changes: dict[str, Any], *, width: int, height: int) -> Detector:
+        """Return a fresh detector with some parameters changed.
+
+        Raises:
+            DetectorConfigError: a parameter is out of its range.
+        """
+        return self.factory(replace(self.config, **changes), width=width, height=height)
+
+
+_ENTRIES = (
+    DetectorEntry(
+        name=FLY,
+        factory=FlyDetector,
+        config=FlyConfig.preset("paper"),
+        family=Family.EVENT_FLY,
+        label="event-driven fly",
+        colour="#D55E00",
+        marker="o",
+    ),
+    DetectorEntry(
+        name=WIDE,
+        factory=FlyDetector,
+        config=FlyConfig.preset("wide"),
+        family=Family.EVENT_FLY,
+        label="event-driven fly, wide",
+        colour="#E69F00",
+        marker="p",
+    ),
+    DetectorEntry(
+        name=FRAME_FLY,
+        factory=FrameFly,
+        config=FrameFlyConfig(),
+        family=Family.FRAME_FLY,
+        label="frame-based fly",
+        colour="#0072B2",
+        marker="s",
+        looks_at_frames=True,
+    ),
+    DetectorEntry(
+        name=FLOORLESS_FRAME_FLY,
+        factory=FrameFly,
+        config=FrameFlyConfig(snr_floor=0.0),
+        family=Family.FRAME_FLY,
+        label="frame-based fly, no floor",
+        colour="#6b6b6b",
+        marker="h",
+        looks_at_frames=True,
+    ),
+    DetectorEntry(
+        name=COARSE_FRAME_FLY,
+        factory=FrameFly,
+        config=FrameFlyConfig.preset("coarse"),
+        family=Family.FRAME_FLY,
+        label="frame-based fly, coarse",
+        colour="#56B4E9",
+        marker="D",
+        looks_at_frames=True,
+        in_study=False,
+    ),
+    DetectorEntry(
+        name=CONTRAST,
+        factory=ContrastMaximisation,
+        config=ContrastConfig(),
+        family=Family.VELOCITY,
+        label="contrast maximisation",
+        colour="#009E73",
+        marker="^",
+        gives_velocity=True,
+    ),
+    DetectorEntry(
+        name=PLANE_FIT,
+        factory=PlaneFit,
+        config=PlaneFitConfig(),
+        family=Family.VELOCITY,
+        label="plane fit",
+        colour="#CC79A7",
+        marker="v",
+        gives_velocity=True,
+    ),
+)
+"""All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008)."""
+
+DETECTORS: dict[str, DetectorEntry] = {entry.name: entry for entry in _ENTRIES}
+"""All detectors of ours by name, the paper's first."""
+
+
+def gives_velocity(method: str) -> bool:
+    """Return True if a method's responses are image velocities [px/s]; False for a user's class."""
+    return method in DETECTORS and DETECTORS[method].gives_velocity
+
+
+def is_fly(method: str) -> bool:
+    """Return True if a method is the event-driven fly with any of our parameter sets."""
+    return method in DETECTORS and DETECTORS[method].family is Family.EVENT_FLY

@@ -1,0 +1,108 @@
+"""A run in numbers: what `summary.json` and the closing table say."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from detector.estimate import MotionEstimate
+from emulator import SensorOutput
+from flybench.events import Cause
+from scenarios.output.folder import GENERATOR
+from scenarios.pipeline.registry import is_fly
+from scenarios.pipeline.run_config import RunConfig
+from scenarios.pipeline.scoring import Track, judge
+from sim import Crossing
+from sim.render.vulkan import vulkan_devices
+
+_LIBRARIES = (
+    "flybench",
+    "mujoco",
+    "numpy",
+    "numba",
+    "opencv-python-headless",
+    "h5py",
+    "rerun-sdk",
+)
+
+
+@dataclass
+class EventTally:
+    """Counts events as they come."""
+
+    on: int = 0
+    off: int = 0
+    by_cause: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(len(Cause), np.int64))
+
+    def add(self, output: SensorOutput) -> None:
+        """Count one step's events."""
+        on = int(np.count_nonzero(output.events["p"]))
+        self.on += on
+        self.off += output.events.size - on
+        self.by_cause += np.bincount(output.causes, minlength=len(Cause))
+
+    def summary(self) -> dict[str, Any]:
+        """Counts by polarity and by cause."""
+        causes = {cause.name.lower(): int(self.by_cause[cause]) for cause in Cause}
+        return {"count": self.on + self.off, "on": self.on, "off": self.off, "by_cause": causes}
+
+
+def summarise(
+    config: RunConfig,
+    crossing: Crossing,
+    tally: EventTally,
+    estimates: Sequence[MotionEstimate],
+    track: Track,
+) -> dict[str, Any]:
+    """Everything about a run that is not an array, ready for JSON, but for its wall time.
+
+    What the detector achieved is under "detector", and under "fly" too where it is one.
+
+    Args:
+        config: the run.
+        crossing: its scene.
+        tally: its events.
+        estimates: all that the detector said.
+        track: where the target was.
+    """
+    verdict = {"method": config.method} | judge(
+        estimates, config.crossing.direction, track.in_view_us, track
+    )
+    return {
+        "generator": GENERATOR,
+        "parameters": asdict(config) | {"crossing": config.crossing.resolved()},
+        "seed": config.seed,
+        "versions": versions(),
+        "devices": [f"{device.name}: {device.driver}" for device in vulkan_devices()],
+        "truth": truth_summary(config, crossing, track.in_view_us),
+        "events": tally.summary(),
+        "detector": verdict,
+    } | ({"fly": verdict} if is_fly(config.method) else {})
+
+
+def versions() -> dict[str, str]:
+    """Of Python, and of what a result depends on."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
+
+
+def truth_summary(
+    config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]
+) -> dict[str, Any]:
+    """The target's motion, and when it was first and last in view."""
+    c = config.crossing
+    speed_m_s = crossing.trajectory.speed_m_s(0.0)
+    return {
+        "direction": c.direction.value,
+        "omega_rad_s": c.omega_rad_s,
+        "speed_km_h": speed_m_s * 3.6,
+        "image_speed_px_s": crossing.intrinsics.focal_px * speed_m_s / c.distance,
+        "enters_view_us": in_view_us[0],
+        "leaves_view_us": in_view_us[1],
+        "duration_us": crossing.duration_us,
+    }

@@ -1,6 +1,0 @@
-"""`python -m scenarios.sweep`."""
-
-from scenarios.sweep.command import Sweep
-from scenarios.terminal import script
-
-script(Sweep)

@@ -1,0 +1,1 @@
+"""Geometry without a renderer: cameras, rigid transforms, triangles and image rectangles."""

@@ -1,0 +1,1 @@
+"""Luminance at every sample from a few rendered keyframes and exact geometry."""

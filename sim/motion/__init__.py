@@ -1,0 +1,1 @@
+"""How things move, in closed form: trajectories, gait, camera shake and sample times."""

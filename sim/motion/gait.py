@@ -1,0 +1,133 @@
+"""How a pedestrian walks: limbs that swing in step with the speed, in closed form.
+
+The phase φ is 0 where the right heel strikes the ground in front, and grows by 2π a stride, which
+is two steps.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.motion.paths import Path, UniformPath
+
+WALK_RATIO_M_S = 0.0065 * 60
+"""Step length over cadence [m / (steps/s)]: 6.5 mm per step a minute (assumed). Walkers keep it
+from 1 m/s upwards (Murakami and Otaka 2017); here it is kept below, too."""
+LEG_M = 0.9
+"""From hip to sole, as `pedestrian.xml` has it."""
+KNEE_REST_RAD, KNEE_SWING_RAD = math.radians(4), math.radians(56)
+"""Flexion of a knee in stance, and what the swing adds at its most: 60° in all (assumed)."""
+ANKLE_SHARE = 0.85
+"""How much of the leg's tilt an ankle takes back, so that the sole stays near level (assumed)."""
+SHIN_M = 0.46
+"""From knee to sole, likewise."""
+ARM_SHARE = 0.7
+"""A shoulder's swing over a hip's (assumed)."""
+ELBOW_RAD, ELBOW_SWING_RAD = math.radians(22), math.radians(10)
+"""Flexion of an elbow, and its swing (assumed)."""
+_STEEPEST = 3 * math.sqrt(3) / 8
+"""Largest slope of ((1 - sin φ) / 2)²."""
+EXCURSION_M = 0.6
+"""How far hands and feet swing beyond where they hang (measured)."""
+
+F64 = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Gait:
+    """Angles of a walk at a constant speed.
+
+    Attributes:
+        speed_m_s: over the ground.
+    """
+
+    speed_m_s: float
+
+    @property
+    def step_m(self) -> float:
+        """From one foot's place to the next of the other: √(walk ratio × speed)."""
+        return math.sqrt(WALK_RATIO_M_S * self.speed_m_s)
+
+    @property
+    def stride_s(self) -> float:
+        """Period of the gait: two steps."""
+        return 2 * self.step_m / self.speed_m_s
+
+    @property
+    def hip_rad(self) -> float:
+        """How far a hip swings to either side: as far as a straight leg must for the step."""
+        return math.asin(self.step_m / (2 * LEG_M))
+
+    def phase_rad(self, way_m: float) -> float:
+        """Phase after a way along the ground."""
+        return math.pi * way_m / self.step_m
+
+    def leg_rad(self, phase: float) -> tuple[float, float, float]:
+        """Angles of hip, knee and ankle at the leg's own phase."""
+        hip = self.hip_rad * math.cos(phase)
+        knee = KNEE_REST_RAD + KNEE_SWING_RAD * ((1 - math.sin(phase)) / 2) ** 2
+        return hip, knee, ANKLE_SHARE * (knee - hip)
+
+    def arm_rad(self, phase: float) -> tuple[float, float]:
+        """Angles of shoulder and elbow at the phase of the leg on the same side."""
+        swing = -math.cos(phase)
+        return ARM_SHARE * self.hip_rad * swing, ELBOW_RAD + ELBOW_SWING_RAD * swing
+
+    def bob_m(self, phase: float) -> float:
+        """Height of the hips compared with standing: lowest where the legs are spread."""
+        return -LEG_M * (1 - math.cos(self.hip_rad * math.cos(phase)))
+
+
+@dataclass(frozen=True, eq=False)
+class Walking:
+    """A pedestrian's motion.
+
+    Attributes:
+        path: of the pedestrian.
+        gait: the walk.
+        travel: address of the slide joint along the way.
+        bob: of the slide joint of the height.
+        limbs: (2, 5) of hip, knee, ankle, shoulder and elbow; right, left.
+    """
+
+    path: Path
+    gait: Gait
+    travel: int
+    bob: int
+    limbs: npt.NDArray[np.int64]
+
+    def place(self, qpos: F64, t_s: float) -> None:
+        """Set the joints for a time [s]."""
+        way_m = self.path.position_m(t_s)
+        phase = self.gait.phase_rad(way_m)
+        qpos[self.travel], qpos[self.bob] = way_m, self.gait.bob_m(phase)
+        for addresses, side in zip(self.limbs, (phase, phase + math.pi), strict=True):
+            qpos[addresses] = *self.gait.leg_rad(side), *self.gait.arm_rad(side)
+
+    def fastest_m_s(self, t_s: float) -> float:
+        """A foot in swing, were hip and knee to turn fastest at once."""
+        rate_rad_s = 2 * math.pi / self.gait.stride_s
+        swing_m = LEG_M * self.gait.hip_rad + SHIN_M * KNEE_SWING_RAD * _STEEPEST
+        return self.path.speed_m_s(t_s) + rate_rad_s * swing_m
+
+
+def walking(model: mujoco.MjModel, prefix: str, *, speed_m_s: float, passes_s: float) -> Walking:
+    """The motion of a pedestrian attached under `prefix`, at the origin at `passes_s` [s]."""
+
+    def address(name: str) -> int:
+        return int(model.joint(prefix + name).qposadr[0])
+
+    parts = ("hip", "knee", "ankle", "shoulder", "elbow")
+    limbs = [[address(f"{part}_{side}") for part in parts] for side in ("right", "left")]
+    return Walking(
+        path=UniformPath(speed_m_s, passes_s),
+        gait=Gait(speed_m_s),
+        travel=address("travel"),
+        bob=address("bob"),
+        limbs=np.array(limbs, np.int64),
+    )

@@ -1,0 +1,1 @@
+"""Exact visibility: triangles scan-converted at the pixel grid, without a renderer."""

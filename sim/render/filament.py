@@ -1,0 +1,248 @@
+"""The photometric camera: MuJoCo's Filament renderer read in cd/m².
+
+Filament writes linear float32 of luminance × exposure in the red channel; what it draws is a
+`sim.render.luminance_model`, whose colours are their luminance. Where only part of the image can
+have changed, a rectangle of it is drawn through the whole image's frustum, so that nothing else
+moves.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import mujoco
+import mujoco.studio.window  # registers Filament's material assets
+import numpy as np
+import numpy.typing as npt
+from mujoco import mjrf
+
+from sim.errors import RendererError
+from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
+from sim.geometry.rectangles import Rectangle
+from sim.raster.aperture import REACH_PX, to_pixels
+from sim.render.free_memory import return_free_memory
+from sim.render.quiet_output import suppress_output
+from sim.render.vulkan import require_vulkan
+
+EXPOSURE = 2.604e-5
+"""Filament's default exposure (f/16, 1/125 s, ISO 100): what it multiplies a luminance by."""
+NO_SHADOW_GROUP = 2
+"""Geoms of this group cast no shadow: the shadow pass costs by the piece."""
+FAR_M = 120.0
+"""Distance of the far clipping plane, beyond the street's ends [m] (assumed)."""
+
+Luminance = npt.NDArray[np.float32]
+
+
+class FilamentRenderer:
+    """Draws one model from any pose; use as a context manager."""
+
+    def __init__(self, model: mujoco.MjModel, intrinsics: Intrinsics) -> None:
+        """Set up the renderer.
+
+        Args:
+            model: with photometric lights; see `sim.render.luminance_model`.
+            intrinsics: the lens and sensor.
+
+        Raises:
+            RendererError: no Vulkan device.
+        """
+        software = require_vulkan()
+        self.intrinsics = intrinsics
+        with suppress_output():
+            self._context = mjrf.Context(_context_config(software))
+        self._context.set_clear_color([0.0, 0.0, 0.0])
+        self._scene = self._context.create_scene(mjrf.SceneParams())
+        self._scene.configure_from_model(model)
+        self._resources = mjrf.ModelResources(self._context, model)
+        self._lights = mjrf.ModelLights(self._scene, self._resources)
+        self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
+        self._renderables.update(mujoco.MjData(model))  # makes them
+        self._shadowless = [
+            self._renderable(int(geom))
+            for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
+        ]
+        self._targets: dict[Any, Any] = {}
+
+    def __enter__(self) -> FilamentRenderer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the device's memory; the renderer is of no use afterwards."""
+        with suppress_output():
+            for name in (
+                "_targets",
+                "_shadowless",
+                "_renderables",
+                "_lights",
+                "_resources",
+                "_scene",
+                "_context",
+            ):
+                setattr(self, name, None)
+        return_free_memory()
+
+    def update(self, data: mujoco.MjData) -> None:
+        """Take over the poses of `data`, whose kinematics must be up to date."""
+        self._lights.update(data)
+        self._renderables.update(data)
+        for renderable in self._shadowless:  # the update forgets it
+            renderable.set_cast_shadow(False)
+
+    def luminance(self, pose: Pose, rectangle: Rectangle, *, supersample: int = 2) -> Luminance:
+        """Anti-aliased luminance of a rectangle of the image.
+
+        Each value is the mean over the pixel's whole area, behind the lens's blur.
+
+        Args:
+            pose: the camera's.
+            rectangle: which pixels.
+            supersample: rendered pixels per sensor pixel along each axis.
+
+        Returns:
+            (y1 - y0, x1 - x0) float32 [cd/m²].
+        """
+        outer = self._grown(rectangle)
+        pixels = to_pixels(self.fine(pose, outer, supersample), supersample)
+        x, y = rectangle[0] - outer[0], rectangle[1] - outer[1]
+        inner = pixels[y : y + rectangle[3] - rectangle[1], x : x + rectangle[2] - rectangle[0]]
+        return np.ascontiguousarray(inner)
+
+    def fine(
+        self, pose: Pose, rectangle: Rectangle, supersample: int, *, shadows: bool = True
+    ) -> Luminance:
+        """Luminance at the fine points of a rectangle of the image, as drawn, not filtered.
+
+        Args:
+            pose: the camera's.
+            rectangle: which pixels.
+            supersample: points per pixel and axis.
+            shadows: whether there are any.
+
+        Returns:
+            ((y1 - y0) · supersample, (x1 - x0) · supersample) float32 [cd/m²].
+        """
+        grey = mjrf.PixelFormat.PIXEL_FORMAT_R32F
+        fine = self._draw(pose, rectangle, supersample, grey, shadows=shadows)
+        return np.asarray(fine / np.float32(EXPOSURE), np.float32)
+
+    @contextmanager
+    def hidden(self, geoms: Iterable[int]) -> Iterator[None]:
+        """Take geoms, and the shadows they cast, out of the picture for a while."""
+        renderables = [self._renderable(geom) for geom in geoms]
+        for renderable in renderables:
+            self._scene.remove_renderable(renderable)
+        try:
+            yield
+        finally:
+            for renderable in renderables:
+                self._scene.add_renderable(renderable)
+
+    def _renderable(self, geom: int) -> Any:
+        return self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, geom, -1)
+
+    def segmentation(self, pose: Pose, rectangle: Rectangle) -> npt.NDArray[np.int32]:
+        """Which geom each pixel's middle shows.
+
+        Returns:
+            (y1 - y0, x1 - x0) int32 of geom numbers, -1 for none.
+        """
+        rgb = self._draw(
+            pose,
+            rectangle,
+            1,
+            mjrf.PixelFormat.PIXEL_FORMAT_RGB8,
+            draw_mode=mjrf.DrawMode.DRAW_MODE_SEGMENTATION_BY_ID,
+        ).astype(np.int32)
+        return rgb[..., 0] + 256 * rgb[..., 1] + 65536 * rgb[..., 2] - 1
+
+    def preview(self, pose: Pose, *, scale: float = 2) -> npt.NDArray[np.uint8]:
+        """A tone-mapped picture for the eye: (height·scale, width·scale, 3) uint8 sRGB."""
+        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
+        return self._draw(pose, whole, scale, rgb, post_processing=True)
+
+    def _grown(self, rectangle: Rectangle) -> Rectangle:
+        m, i = REACH_PX, self.intrinsics
+        x0, y0, x1, y1 = rectangle
+        return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
+
+    def _draw(
+        self, pose: Pose, rectangle: Rectangle, scale: float, pixel_format: Any, **options: Any
+    ) -> npt.NDArray[Any]:
+        height = round((rectangle[3] - rectangle[1]) * scale)
+        width = round((rectangle[2] - rectangle[0]) * scale)
+        colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
+        image = np.empty((height, width, 3) if colour else (height, width), _DTYPE[colour])
+        if not colour:
+            image[0, 0] = np.nan  # still there if no frame comes
+        target = self._target(pixel_format, bool(options.get("post_processing")))
+        target.resize(width, height)
+        read = mjrf.ReadRequest(target=target)
+        read.set_buffer(image)
+        request = self._request(pose, rectangle, scale, target, **options)
+        try:
+            self._context.wait_for_frame(self._context.render([request], [read]))
+        except RuntimeError as error:
+            raise RendererError(_LOST) from error
+        if not colour and np.isnan(image[0, 0]):
+            raise RendererError(_LOST)
+        return image
+
+    def _target(self, pixel_format: Any, post_processing: bool) -> Any:
+        key = (pixel_format, post_processing)
+        if key not in self._targets:
+            config = mjrf.RenderTargetConfig(color_format=pixel_format)
+            self._targets[key] = self._context.create_render_target(config)
+        return self._targets[key]
+
+    def _request(
+        self, pose: Pose, rectangle: Rectangle, scale: float, target: Any, **options: Any
+    ) -> Any:
+        request = mjrf.RenderRequest()
+        request.scene, request.target = self._scene, target
+        request.camera = _frustum(pose, self.intrinsics)
+        request.viewport.left = round(-rectangle[0] * scale)
+        request.viewport.bottom = round((rectangle[3] - self.intrinsics.height) * scale)
+        request.viewport.width = round(self.intrinsics.width * scale)
+        request.viewport.height = round(self.intrinsics.height * scale)
+        request.post_processing = False
+        request.haze = request.reflections = request.headlight = False
+        for name, value in options.items():
+            setattr(request, name, value)
+        return request
+
+
+_DTYPE = {True: np.uint8, False: np.float32}
+_LOST = (
+    "the Vulkan device gave no frame and seems to be lost; allowed is a device that answers; run "
+    "it again, and if it happens again see what `flybench doctor` says of its driver"
+)
+
+
+def _context_config(software: bool) -> Any:
+    vulkan = mjrf.GraphicsApi.GRAPHICS_API_VULKAN
+    default = mjrf.GraphicsApi.GRAPHICS_API_DEFAULT
+    api = vulkan if os.uname().sysname == "Linux" else default
+    return mjrf.ContextConfig(graphics_api=api, software_rendering=software)
+
+
+def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
+    half_width = NEAR_M * intrinsics.width / 2 / intrinsics.focal_px
+    half_height = NEAR_M * intrinsics.height / 2 / intrinsics.focal_px
+    return mjrf.Camera(
+        pos=pose.position_m.astype(np.float32),
+        forward=pose.forward.astype(np.float32),
+        up=pose.up.astype(np.float32),
+        frustum_bottom=-half_height,
+        frustum_top=half_height,
+        frustum_near=NEAR_M,
+        frustum_far=FAR_M,
+        frustum_width=half_width,
+    )

@@ -1,0 +1,37 @@
+"""Where the MJCF files, textures and meshes lie, and how they are opened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+
+from sim.errors import SceneConfigError
+
+ASSETS = Path(__file__).parents[1] / "assets"
+
+
+def open_asset(name: str) -> mujoco.MjSpec:
+    """Open an MJCF file of `ASSETS`, its textures and meshes included.
+
+    Raises:
+        SceneConfigError: it, or a file that it names, is missing or damaged.
+    """
+    path = ASSETS / name
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except (ValueError, FileNotFoundError) as error:
+        raise SceneConfigError(
+            f"cannot open {path}: {_first_line(error)}; install flybench again, or mend the file"
+        ) from error
+    for item in (*spec.textures, *spec.meshes):
+        if item.file and not (ASSETS / item.file).is_file():
+            raise SceneConfigError(
+                f"{name} names {item.file}, which is missing from {ASSETS}. Allowed are files in "
+                "that folder. Install flybench again, or run `python -m tools.make_textures`."
+            )
+    return spec
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -1,0 +1,94 @@
+"""Vehicles: which files they come from, their paint, and their lamps."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+
+from sim.distractors import VehicleKind
+from sim.scene import lighting as light
+from sim.scene.assets import open_asset
+
+Hue = tuple[float, float, float]
+
+FLANK_M = 0.9
+"""From the middle of a lane to the flank of what drives there: a narrower or a wider vehicle keeps
+to the side, so that its flank is as far from the camera as `distance_m` says (assumed: half the
+sedan's width)."""
+FLANK_OF_M = {VehicleKind.SEDAN: 0.9, VehicleKind.VAN: 1.0, VehicleKind.MOTORCYCLE: 0.4}
+"""From each vehicle's middle to its flank, as its file has it."""
+PAINT = "paint"
+"""Name of the material that every vehicle's file has for its paint."""
+HUES = {
+    VehicleKind.SEDAN: (0.95, 1.0, 1.1),
+    VehicleKind.VAN: (1.0, 1.0, 0.97),
+    VehicleKind.MOTORCYCLE: (1.6, 0.85, 0.7),
+}
+"""Linear colours of the paints, to be scaled to the luminance asked for (by eye)."""
+
+
+def vehicle(
+    kind: VehicleKind, reflectance: float, *, lit: bool, hue: Hue | None = None
+) -> mujoco.MjSpec:
+    """A vehicle of its own, its origin on the ground under its middle, x forward.
+
+    Args:
+        kind: which.
+        reflectance: luminance reflectance of its paint.
+        lit: whether its lamps are on.
+        hue: linear colour to scale; None: what vehicles of the kind have.
+
+    Raises:
+        SceneConfigError: a file is missing.
+    """
+    spec = open_asset(f"{kind}.xml")
+    spec.material(PAINT).rgba = [*painted(hue or HUES[kind], reflectance), 1.0]
+    _light_lenses(spec, lit=lit)
+    return spec
+
+
+def painted(hue: Hue, reflectance: float) -> list[float]:
+    """A linear colour of a hue with a luminance."""
+    scale = reflectance / light.relative_luminance(hue)
+    return [part * scale for part in hue]
+
+
+def add_vehicle(
+    spec: mujoco.MjSpec, car: mujoco.MjSpec, prefix: str, *, lane_m: float, heading: int
+) -> None:
+    """Put a vehicle that can drive on a lane, `heading` along (+1) or against (-1) the road."""
+    turn = [1, 0, 0, 0] if heading > 0 else [0, 0, 0, 1]
+    frame = spec.worldbody.add_frame(pos=[0, lane_m, 0], quat=turn)
+    spec.attach(car, prefix=prefix, frame=frame)
+
+
+def add_beams(car: mujoco.MjSpec) -> None:
+    """Add the dipped beams of a vehicle, which shine from its sites "head_lamp…"."""
+    lamps = np.array([site.pos for site in car.sites if site.name.startswith("head_lamp")])
+    light.add_head_lamps(root_body(car), lamps)
+
+
+def add_parked(
+    spec: mujoco.MjSpec, car: mujoco.MjSpec, prefix: str, *, x_m: float, y_m: float, turn_rad: float
+) -> None:
+    """Put a vehicle that stands."""
+    for joint in list(car.joints):
+        car.delete(joint)
+    half = turn_rad / 2
+    frame = spec.worldbody.add_frame(pos=[x_m, y_m, 0], quat=[math.cos(half), 0, 0, math.sin(half)])
+    spec.attach(car, prefix=prefix, frame=frame)
+
+
+def root_body(car: mujoco.MjSpec) -> mujoco.MjsBody:
+    """The body of a vehicle's file that all the others hang from."""
+    return next(body for body in car.bodies if body.name != "world")
+
+
+def _light_lenses(car: mujoco.MjSpec, *, lit: bool) -> None:
+    for name, luminance, glow in (
+        ("head_lamp", light.HEAD_LAMP_CD_M2, light.WHITE),
+        ("tail_lamp", light.TAIL_LAMP_CD_M2, light.TAIL_LAMP_RGB),
+    ):
+        light.set_luminance(car.material(name), luminance if lit else 0.0, glow)

@@ -1,0 +1,140 @@
+"""A MuJoCo model as plain triangles, one mesh a rigid body, for viewers that know no MuJoCo."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from sim.raster.triangles import geom_triangles, unit_normals
+from sim.scene.scene import Scene
+from sim.scene.srgb import encoded
+
+WORLD = "world"
+"""Name of the body that never moves."""
+
+F64 = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMesh:
+    """The triangles of one rigid body, in its own frame; each triangle owns its three vertices.
+
+    Attributes:
+        name: the body's; `WORLD` for all that is fixed to the world.
+        vertices_m: (3n, 3) float32 [m].
+        normals: (3n, 3) float32, of unit length; those of a triangle are equal.
+        colours: (3n, 3) uint8, sRGB.
+    """
+
+    name: str
+    vertices_m: npt.NDArray[np.float32]
+    normals: npt.NDArray[np.float32]
+    colours: npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPose:
+    """Where a body is in the world.
+
+    Attributes:
+        position_m: (3,) of its origin [m].
+        rotation: (3, 3), whose columns are the body's axes.
+    """
+
+    position_m: F64
+    rotation: F64
+
+
+class MovingBodies:
+    """The rigid bodies of a scene that move."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Find them.
+
+        Args:
+            scene: stays as it is; the poses are worked out on data of their own.
+        """
+        self._scene = scene
+        self._data = mujoco.MjData(scene.model)
+        self._bodies = {
+            scene.model.body(k).name: int(k) for k in np.unique(scene.model.body_weldid) if k
+        }
+
+    def poses(self, t_s: float) -> dict[str, BodyPose]:
+        """World poses by the body's name, at a time since the target's closest approach [s]."""
+        self._scene.place(self._data, t_s)
+        return {
+            name: BodyPose(self._data.xpos[k].copy(), self._data.xmat[k].reshape(3, 3).copy())
+            for name, k in self._bodies.items()
+        }
+
+
+def body_meshes(model: mujoco.MjModel) -> list[BodyMesh]:
+    """The visible geoms of a model, merged by rigid body; the world's first.
+
+    A geom has one colour: its material's, or its own, times the mean of its texture. Colours are
+    taken as linear reflectances.
+
+    Args:
+        model: of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
+
+    Raises:
+        SceneConfigError: it has a geom of another type.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    rigid = model.body_weldid[model.geom_bodyid]
+    texels = [_mean_texel(model, k) for k in range(model.ntex)]
+    return [
+        _merged(model, data, int(body), np.flatnonzero(rigid == body), texels)
+        for body in np.unique(rigid)
+    ]
+
+
+def srgb(linear: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Encode linear colour, 0 to 1, as sRGB of 8 bits."""
+    return np.asarray(np.rint(encoded(linear) * 255), np.uint8)
+
+
+def _merged(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    body: int,
+    geoms: npt.NDArray[np.int64],
+    texels: list[F64],
+) -> BodyMesh:
+    """One body's geoms; `texels` are the means of all textures."""
+    visible = [int(k) for k in geoms if model.geom_rgba[k, 3] > 0]
+    soups = [geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
+    colours = [srgb(_linear_colour(model, k, texels)) for k in visible]
+    counts = [3 * len(soup) for soup in soups[: len(visible)]]
+    triangles = (np.concatenate(soups) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
+    return BodyMesh(
+        name=model.body(body).name if body else WORLD,
+        vertices_m=triangles.reshape(-1, 3).astype(np.float32),
+        normals=np.repeat(unit_normals(triangles), 3, axis=0).astype(np.float32),
+        colours=np.repeat(np.array(colours, np.uint8).reshape(-1, 3), counts, axis=0),
+    )
+
+
+def _linear_colour(model: mujoco.MjModel, geom: int, texels: list[F64]) -> F64:
+    material = int(model.geom_matid[geom])
+    if material < 0:
+        return np.array(model.geom_rgba[geom, :3], np.float64)
+    colour = np.array(model.mat_rgba[material, :3], np.float64)
+    texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
+    return colour * texels[texture] if texture >= 0 else colour
+
+
+def _mean_texel(model: mujoco.MjModel, texture: int) -> F64:
+    """Mean of a texture's first three channels, or of its only one, 0 to 1."""
+    shape = [int(n[texture]) for n in (model.tex_height, model.tex_width, model.tex_nchannel)]
+    start = int(model.tex_adr[texture])
+    texels = model.tex_data[start : start + math.prod(shape)].reshape(shape)
+    sums = np.array(cv2.sumElems(texels)[: min(shape[2], 3)])
+    return sums / (shape[0] * shape[1]) / 255

@@ -1,0 +1,150 @@
+import numpy as np
+import pytest
+
+from detector.errors import DetectorConfigError, EventOrderError, FrameError
+from detector.estimate import FrameDetector, MotionEstimate
+from detector.frame_fly.detector import FrameFly, FrameFlyConfig
+from flybench.direction import CARDINAL, Direction
+from flybench.errors import EventError
+from flybench.events import EVENT_DTYPE
+from tests.detector.drawn_frames import (
+    HEIGHT,
+    WIDTH,
+    Profile,
+    bar,
+    frames,
+    grating,
+    watch,
+)
+
+BY_DAY_US, BY_NIGHT_US = 25_000, 120_000  # 40 frames a second, and under 10
+
+
+def seen(
+    profile: Profile,
+    step_px: float,
+    *,
+    direction: Direction = Direction.RIGHT,
+    interval_us: int = BY_DAY_US,
+    preset: str = "published",
+) -> list[MotionEstimate]:
+    """What it says from the fourth frame on; the first ones are the pattern's onset."""
+    upright = direction in (Direction.RIGHT, Direction.LEFT)
+    width, height = (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
+    fly = FrameFly(FrameFlyConfig.preset(preset), width=width, height=height)
+    number = min(12, 1 + int(110 / step_px))  # so that a bar stays in view
+    images = frames(profile, step_px=step_px, number=number, direction=direction)
+    return watch(fly, images, interval_us=interval_us)[2:]
+
+
+@pytest.mark.parametrize("interval_us", [BY_DAY_US, BY_NIGHT_US])
+@pytest.mark.parametrize("direction", CARDINAL)
+@pytest.mark.parametrize("step_px", [2, 3, 5, 6])
+@pytest.mark.parametrize("profile", [grating(30), grating(47), bar(12), bar(31, level_dn=120)])
+def test_right_within_its_range(
+    profile: Profile, step_px: float, direction: Direction, interval_us: int
+) -> None:
+    found = seen(profile, step_px, direction=direction, interval_us=interval_us)
+    assert {e.direction for e in found} == {direction}
+
+
+@pytest.mark.parametrize("direction", CARDINAL)
+@pytest.mark.parametrize("step_px", [6, 9, 12, 18])
+def test_cells_triple_the_range(step_px: float, direction: Direction) -> None:
+    for profile in (grating(75), bar(30)):
+        found = seen(profile, step_px, direction=direction, preset="coarse")
+        assert {e.direction for e in found} == {direction}
+
+
+def test_beyond_half_a_period_it_sees_the_opposite_as_every_correlator() -> None:
+    found = seen(grating(30), 24)
+    assert {e.direction for e in found} == {Direction.LEFT}
+
+
+def test_noise_alone_is_none() -> None:
+    fly = FrameFly(width=WIDTH, height=HEIGHT)
+    found = watch(fly, frames(grating(30), step_px=0, number=60), interval_us=BY_DAY_US)
+    assert sum(e.direction is Direction.NONE for e in found) >= 58
+
+
+def test_a_flash_is_none() -> None:
+    fly = FrameFly(width=WIDTH, height=HEIGHT)
+    images = [np.full((HEIGHT, WIDTH), level, np.uint16) for level in (300, 600, 300, 300)]
+    found = watch(fly, iter(images), interval_us=BY_DAY_US)
+    assert {e.direction for e in found} == {Direction.NONE}
+
+
+def test_the_response_is_weaker_by_night_for_the_same_way_a_frame() -> None:
+    day = max(e.strength for e in seen(bar(12), 4))
+    night = max(e.strength for e in seen(bar(12), 4, interval_us=BY_NIGHT_US))
+    assert day > 10 * night > 0.0
+
+
+def test_mirrored_frames_mirror_the_response() -> None:
+    fly, mirrored = (FrameFly(width=WIDTH, height=HEIGHT) for _ in range(2))
+    for n, image in enumerate(frames(bar(12), step_px=4, number=6)):
+        one = fly.push_frame(n * BY_DAY_US, image)
+        other = mirrored.push_frame(n * BY_DAY_US, np.ascontiguousarray(image[:, ::-1]))
+        for a, b in zip(one, other, strict=True):
+            assert a.hs == pytest.approx(-b.hs, rel=1e-3, abs=1e-6)
+            assert a.vs == pytest.approx(b.vs, rel=1e-3, abs=1e-6)
+
+
+def test_it_speaks_at_every_frame_but_the_first_and_never_of_events() -> None:
+    fly = FrameFly(width=8, height=8)
+    assert isinstance(fly, FrameDetector)
+    events = np.zeros(2, EVENT_DTYPE)
+    events["t"] = [5, 10]
+    frame = np.zeros((8, 8), np.uint16)
+    assert fly.push(events) == []
+    assert fly.push_frame(10, frame) == []
+    assert fly.advance(40) == []
+    (estimate,) = fly.push_frame(50, frame)
+    assert (estimate.t_us, estimate.direction) == (50, Direction.NONE)
+
+
+def test_time_must_not_go_back_and_a_refusal_changes_nothing() -> None:
+    fly = FrameFly(width=8, height=8)
+    frame = np.zeros((8, 8), np.uint16)
+    fly.push_frame(100, frame)
+    with pytest.raises(EventOrderError, match="99"):
+        fly.push_frame(99, frame)
+    with pytest.raises(EventOrderError, match="99"):
+        fly.advance(99)
+    with pytest.raises(EventError):
+        fly.push(np.zeros(1, EVENT_DTYPE))
+    assert [e.t_us for e in fly.push_frame(100, frame)] == [100]
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [np.zeros((8, 9), np.uint16), np.zeros((8, 8), np.uint8), np.zeros((8, 8)), None],
+)
+def test_what_is_no_frame_is_refused(frame: np.ndarray) -> None:
+    with pytest.raises(FrameError, match=r"uint16 array of shape \(8, 8\)"):
+        FrameFly(width=8, height=8).push_frame(0, frame)
+
+
+def test_a_sensor_without_room_is_refused() -> None:
+    with pytest.raises(DetectorConfigError, match="cells of 3 px"):
+        FrameFly(FrameFlyConfig.preset("coarse"), width=8, height=100)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"smoothing": 0.0}, "smoothing is 0.0; allowed is 0.01 to 1"),
+        ({"cell_px": 1.5}, "cell_px is 1.5; allowed is a whole number"),
+        ({"offsets_cells": (2, 4)}, "one delay for each distance"),
+        ({"offsets_cells": (0, 2, 4)}, "offsets_cells is"),
+        ({"kernel_centre_cells": 4}, "odd"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(values: dict[str, object], words: str) -> None:
+    with pytest.raises(DetectorConfigError, match=words):
+        FrameFlyConfig(**values)  # type: ignore[arg-type]
+
+
+def test_there_is_no_other_preset() -> None:
+    with pytest.raises(DetectorConfigError, match="'published', 'coarse'"):
+        FrameFlyConfig.preset("fine")

@@ -1,0 +1,43 @@
+"""The dynamic range starts where the dark current and noise let it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emulator import SensorConfig
+from emulator.characterisation.experiments.dynamic_range import (
+    answering_share,
+    dynamic_range_db,
+    measure,
+)
+
+
+def test_range_is_interpolated_between_lights() -> None:
+    lux = np.array([1.0, 10.0, 100.0, 1000.0])
+    assert dynamic_range_db(lux, np.array([0.0, 1.0, 1.0, 1.0])) == pytest.approx(50.0)
+    assert dynamic_range_db(lux, np.array([0.0, 1.0, 1.0, 0.0])) == pytest.approx(40.0)
+    assert dynamic_range_db(lux, np.ones(4)) == pytest.approx(60.0)
+    assert dynamic_range_db(lux, np.full(4, 0.4)) is None
+
+
+def test_noise_free_pixels_answer_from_where_their_threshold_is_met() -> None:
+    config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
+    edge = config.dark_lux * np.expm1(0.22) / (1.0 - 0.2 * np.exp(0.22))
+    assert answering_share(config, chip_lux=0.95 * edge, seed=1) == 0.0
+    assert answering_share(config, chip_lux=1.05 * edge, seed=1) == 1.0
+
+
+def test_ten_times_the_dark_current_costs_20_db() -> None:
+    config = SensorConfig.noise_free()
+    dark, darker = (
+        measure(replace(config, dark_lux=lux), seed=1).quantities[0].measured for lux in (0.1, 0.01)
+    )
+    assert dark is not None
+    assert darker is not None
+    assert darker - dark == pytest.approx(20.0, abs=0.5)
+
+
+def test_section_of_the_default_sensor() -> None:
+    section = measure(SensorConfig(), seed=1)
+    assert section.quantities[0].measured == pytest.approx(115.0, abs=8.0)

@@ -1,0 +1,46 @@
+"""The leak's line against light, found without looking at causes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emulator import SensorConfig
+from emulator.characterisation.experiments.leak import doubling_k, leak_line, measure, measure_leak
+
+
+def test_a_line_through_rates() -> None:
+    lux = np.array([1.0, 10.0, 100.0])
+    assert leak_line(lux, 0.2 + 0.003 * lux) == pytest.approx((0.2, 0.003))
+    assert leak_line(lux, [0.2, np.nan, np.nan]) == (None, None)
+
+
+def test_doubling_of_rates() -> None:
+    celsius = np.array([10.0, 20.0, 50.0])
+    assert doubling_k(celsius, 2.0 ** (celsius / 8.0)) == pytest.approx(8.0)
+    assert doubling_k(celsius, [1.0, 1.0, 0.5]) is None
+    assert doubling_k(celsius, [1.0, np.nan, np.nan]) is None
+
+
+def test_warming_follows_the_sensor() -> None:
+    config = replace(SensorConfig(), leak_doubling_k=9.0)
+    warm, cool = (
+        measure_leak(replace(config, temperature_c=c), chip_lux=30.0, seed=1).leak_hz
+        for c in (52.0, 25.0)
+    )
+    assert warm is not None
+    assert cool is not None
+    assert warm / cool == pytest.approx(8.0, rel=0.02)
+
+
+def test_leak_hides_in_dim_light() -> None:
+    assert measure_leak(SensorConfig(), chip_lux=0.1, seed=1).leak_hz is None
+
+
+def test_section_finds_both_parts_of_the_leak() -> None:
+    config = replace(SensorConfig(), leak_hz=0.2, leak_hz_per_lux=1e-4)
+    dark, slope, warming, spread = measure(config, seed=4).quantities
+    assert dark.measured == pytest.approx(0.2, rel=0.05)
+    assert slope.measured == pytest.approx(0.1, rel=0.05)
+    assert warming.measured == pytest.approx(7.0, rel=0.03)
+    assert spread.measured == pytest.approx(100 * 0.035 / 0.18, rel=0.1)

@@ -1,0 +1,49 @@
+"""`import flybench` offers every public name, and imports it when it is first used."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import flybench
+import scenarios
+
+PACKAGES = {"flybench": flybench, "scenarios": scenarios}
+
+
+@pytest.mark.parametrize("name", flybench.__all__)
+def test_every_name_resolves(name: str) -> None:
+    assert getattr(flybench, name) is not None
+    assert name in dir(flybench)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_type_checkers_see_the_same_names(package: str) -> None:
+    module = PACKAGES[package]
+    tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
+    (block,) = [n for n in tree.body if isinstance(n, ast.If) and "not" not in ast.unparse(n.test)]
+    froms = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    seen = {(node.module, alias.name) for node in froms for alias in node.names}
+    offered = {(source, name) for source, names in module._MODULES.items() for name in names}
+    assert seen == offered
+    assert sorted(name for _, name in offered) == sorted(module.__all__)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="module 'flybench' has no attribute 'Bee'"):
+        flybench.Bee  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_importing_it_loads_nothing_heavy() -> None:
+    script = "import sys, flybench; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout == "False\n"
+
+
+def test_it_is_the_command_too() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "flybench", "--version"], capture_output=True, text=True
+    )
+    assert done.stdout == f"flybench {flybench.__version__}\n"

@@ -1,0 +1,116 @@
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from scenarios.commands.study import Study
+from scenarios.errors import ScenarioError
+from scenarios.options.cache import CacheOptions
+from scenarios.output.terminal import execute
+from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
+from scenarios.study.rows import COLUMNS, study_rows
+from scenarios.study.runner import run_all
+
+TINY = Study(
+    lighting="day",
+    omegas=(2.42,),
+    methods=(FLY, FRAME_FLY, CONTRAST),
+    seeds=2,
+    step_px=8.0,
+    supersample=1,
+    jobs=1,
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("study") / "out"
+    light = CacheOptions(cache=out.parent / "cache")
+    assert replace(TINY, out=out, light=light).execute() == 0
+    return out
+
+
+def test_the_folder_holds_all(folder: Path) -> None:
+    assert {path.name for path in folder.iterdir()} == {
+        "figures",
+        "recordings",
+        "report.html",
+        "results.csv",
+        "summary.json",
+    }
+    assert (folder / "recordings" / "day_2.42.rrd").read_bytes().startswith(b"RRF2")
+    assert {path.suffix for path in (folder / "figures").iterdir()} == {".svg", ".png"}
+    with (folder / "results.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    methods = [FLY, FRAME_FLY, CONTRAST]
+    assert [(r["seed"], r["method"]) for r in rows] == [(s, m) for s in "01" for m in methods]
+    assert {r["verdict"] for r in rows if r["method"] != FRAME_FLY} == {"right"}
+    assert all(float(r["cpu_s"]) > 0 for r in rows)
+
+
+def test_the_summary_tells_what_was_done_and_found(folder: Path) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["command"] == "study"
+    assert summary["parameters"]["omegas"] == [2.42]
+    found = summary["statistics"][FLY]["day"]["accuracy_after_100ms"]
+    assert found["number"] == 2
+    assert found["low"] <= found["mean"] <= found["high"] <= 1.0
+    holds = {claim["statement"]: claim["holds"] for claim in summary["claims"]}
+    assert holds["the event-driven fly tells the right direction in every sequence"] == "holds"
+    assert "not tested" in holds.values()
+
+
+def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
+    cache = folder.parent / "cache"
+    kept = {path.name: path.stat().st_ino for path in cache.glob("*.light")}
+    tasks = replace(TINY, light=CacheOptions(cache=cache)).tasks()
+    again = study_rows(run_all(tasks, jobs=1))
+    assert kept == {path.name: path.stat().st_ino for path in cache.glob("*.light")} != {}
+    with (folder / "results.csv").open(newline="") as file:
+        first = list(csv.DictReader(file))
+    for row, before in zip(again, first, strict=True):
+        for name in set(COLUMNS) - {"cpu_s", "ms_per_estimate", "ns_per_event"}:
+            assert before[name] == ("" if row[name] is None else str(row[name]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"seeds": 0}, "--seeds is 0; allowed is 1 to 100"),
+        ({"methods": ("bee",)}, "'bee'; allowed is fly"),
+        ({"methods": (FLY, FLY)}, "--methods is fly fly; allowed is each once"),
+        ({"methods": ()}, "--methods names none"),
+        ({"omegas": (0.0,)}, "omega_rad_s"),
+        ({"omegas": (1.61, 1.61)}, "allowed is each once"),
+        ({"contrast_hop_ms": 30.0}, "no multiple of hop_us"),
+        ({"jobs": 0}, "jobs is 0"),
+    ],
+)
+def test_bad_arguments_are_refused_before_anything_is_drawn(
+    changes: dict[str, object],
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert execute(replace(TINY, out=tmp_path / "out", **changes)) == 2  # type: ignore[arg-type]
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_somebody_elses_folder_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(ScenarioError, match="was not written by flybench"):
+        replace(TINY, out=tmp_path).execute()
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_the_report_says_how_to_run_it_again() -> None:
+    assert Study()._command() == "flybench study"
+    told = replace(TINY, recordings=False)._command()
+    assert told == (
+        "flybench study --lighting day --omegas 2.42 --methods fly frame-fly "
+        "contrast-maximisation --seeds 2 --no-recordings --step-px 8.0 --supersample 1"
+    )

@@ -1,0 +1,93 @@
+"""`flybench view`: what it opens, and what it refuses."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from scenarios.commands import view
+from scenarios.errors import ScenarioError
+from scenarios.output.folder import RECORDING
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    folder = tmp_path / view.RECORDINGS
+    folder.mkdir()
+    for name in ("night_1.07", "day_2.42", "day_1.21"):
+        (folder / f"{name}.rrd").write_bytes(view.MAGIC)
+    (folder / "notes.txt").touch()
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["missing", "missing.rrd", "notes.txt", "empty.rrd"])
+def test_what_is_no_recording_is_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / "notes.txt").write_text("")
+    (tmp_path / "empty.rrd").touch()
+    with pytest.raises(ScenarioError, match="there is no recording at"):
+        view.find_recordings(tmp_path / name)
+
+
+def test_a_run_has_one_recording(tmp_path: Path) -> None:
+    recording = tmp_path / RECORDING
+    recording.write_bytes(view.MAGIC)
+    assert view.find_recordings(tmp_path) == [recording]
+    assert view.find_recordings(recording) == [recording]
+
+
+def test_a_study_is_opened_whole_in_order(study: Path) -> None:
+    found = view.find_recordings(study)
+    assert [path.stem for path in found] == ["day_1.21", "day_2.42", "night_1.07"]
+
+
+def test_one_of_a_study_is_opened_by_its_name(study: Path) -> None:
+    assert [path.stem for path in view.find_recordings(study, "night_1.07")] == ["night_1.07"]
+
+
+def test_a_name_that_is_not_there_is_told_which_are(study: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"is day_3; allowed in .* is day_1\.21, day_2\.42"):
+        view.find_recordings(study, "day_3")
+    with pytest.raises(ScenarioError, match="no study's recordings are there"):
+        view.find_recordings(study / "elsewhere", "day_3")
+
+
+def test_all_of_a_study_go_to_one_viewer_on_this_machine(
+    monkeypatch: pytest.MonkeyPatch, study: Path
+) -> None:
+    called: list[list[str]] = []
+
+    def call(command: list[str]) -> int:
+        called.append(command)
+        return 0
+
+    monkeypatch.setattr(subprocess, "call", call)
+    assert view.View(study, web=True).execute() == 0
+    ((program, *files, bind, address, web),) = called
+    assert Path(program).name == "rerun"
+    assert [Path(file).stem for file in files] == ["day_1.21", "day_2.42", "night_1.07"]
+    assert (bind, address, web) == ("--bind", "127.0.0.1", "--serve-web")
+
+
+def test_a_picture_shows_the_recording_that_is_named(
+    monkeypatch: pytest.MonkeyPatch, study: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown: list[Path] = []
+    monkeypatch.setattr(view, "screenshot", lambda path, *_, **__: shown.append(path))
+    png = study / "a.png"
+    assert view.View(study, screenshot=png).execute() == 0
+    assert view.View(study, recording="day_2.42", screenshot=png).execute() == 0
+    assert [path.stem for path in shown] == ["day_1.21", "day_2.42"]
+    assert "day_2.42.rrd" in capsys.readouterr().out
+
+
+def test_a_picture_is_a_png(study: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"--screenshot is a\.jpg; allowed .* ends in \.png"):
+        view.View(study, screenshot=Path("a.jpg")).execute()
+
+
+def test_without_a_display_the_other_ways_are_named(
+    monkeypatch: pytest.MonkeyPatch, study: Path
+) -> None:
+    monkeypatch.setattr(view, "has_display", lambda: False)
+    with pytest.raises(ScenarioError, match="--web"):
+        view.View(study).execute()

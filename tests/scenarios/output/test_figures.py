@@ -1,0 +1,16 @@
+from pathlib import Path
+
+from scenarios.output.figures import figure_file
+
+
+def draw(path: Path) -> None:
+    with figure_file(path, (3, 2)) as figure:
+        figure.add_subplot().plot([1, 2], [3, 4])
+
+
+def test_a_figure_comes_as_png_and_svg_and_always_the_same(tmp_path: Path) -> None:
+    draw(tmp_path / "a.b")
+    draw(tmp_path / "c")
+    assert {path.name for path in tmp_path.iterdir()} == {"a.b.png", "a.b.svg", "c.png", "c.svg"}
+    for ending in (".png", ".svg"):
+        assert (tmp_path / f"a.b{ending}").read_bytes() == (tmp_path / f"c{ending}").read_bytes()

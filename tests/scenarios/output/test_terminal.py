@@ -1,0 +1,98 @@
+"""How commands end."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from formats import FormatError
+from scenarios.output.terminal import execute
+
+TALKER = """
+import sys
+from scenarios.output.terminal import execute
+
+class Talker:
+    def execute(self):
+        for _ in range(100_000):
+            print("a line of some length")
+        return 0
+
+sys.exit(execute(Talker()))
+"""
+
+
+def test_a_reader_that_has_enough_is_no_traceback() -> None:
+    command = [sys.executable, "-c", TALKER]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.read(10)
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 1
+
+
+def test_a_broken_recording_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    class Reader:
+        def execute(self) -> int:
+            raise FormatError("a.raw is cut; copy it again")
+
+    assert execute(Reader()) == 2
+    assert capsys.readouterr().err == "flybench: a.raw is cut; copy it again\n"
+
+
+def test_ctrl_c_within_compiled_code_is_an_interrupt(capsys: pytest.CaptureFixture[str]) -> None:
+    """As numba does it: "CPUDispatcher(...) returned a result with an exception set"."""
+
+    class Compiled:
+        def execute(self) -> int:
+            try:
+                raise KeyboardInterrupt
+            except KeyboardInterrupt as interrupt:
+                raise SystemError("returned a result with an exception set") from interrupt
+
+    assert execute(Compiled()) == 130
+    assert capsys.readouterr().err == "flybench: interrupted\n"
+
+
+def test_another_system_error_is_not_hidden() -> None:
+    class Broken:
+        def execute(self) -> int:
+            raise SystemError("bad argument to internal function")
+
+    with pytest.raises(SystemError, match="bad argument"):
+        execute(Broken())
+
+
+SLEEPER = """
+import signal, sys, tempfile, time
+from scenarios.output.terminal import execute
+
+class Sleeper:
+    def execute(self):
+        with tempfile.TemporaryDirectory(dir=sys.argv[1]):
+            print("asleep", flush=True)
+            time.sleep(60)
+        return 0
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # neither is to be inherited as ignored
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+sys.exit(execute(Sleeper()))
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_who_is_told_to_end_cleans_up(how: signal.Signals, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SLEEPER, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == b"asleep\n"
+        assert list(tmp_path.iterdir())
+        process.send_signal(how)
+        assert process.stderr.read() == b"flybench: interrupted\n"
+        assert process.wait() == 130
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,100 @@
+import pytest
+
+from detector.estimate import MotionEstimate
+from detector.metrics import Box, Point
+from flybench.direction import Direction
+from flybench.direction import Direction as SceneDirection
+from scenarios.pipeline.scoring import Track, judge
+
+IN_VIEW_US = (100_000, 300_000)
+
+
+def estimate(t_us: int, direction: Direction, roi: Box | None = (0, 0, 10, 10)) -> MotionEstimate:
+    strength = 0.6 if direction is Direction.RIGHT else 0.5
+    return MotionEstimate(t_us, 0.5, 0.0, direction, strength, (t_us * 1.0, 0.0), (5.0, 5.0), roi)
+
+
+def track_of(box: Box | None, centroid: Point | None) -> Track:
+    track = Track()
+    track.add(0, None, None)
+    track.add(IN_VIEW_US[0], box, centroid)
+    track.add(IN_VIEW_US[1], box, centroid)
+    track.add(IN_VIEW_US[1] + 1, None, None)
+    return track
+
+
+SAID = [
+    estimate(50_000, Direction.DOWN),  # before it came
+    estimate(150_000, Direction.LEFT),
+    estimate(200_000, Direction.RIGHT),
+    estimate(225_000, Direction.RIGHT),
+    estimate(250_000, Direction.LEFT),
+    estimate(260_000, Direction.UP),
+    estimate(300_000, Direction.NONE, None),
+    estimate(310_000, Direction.DOWN),  # after it left
+]
+
+
+def test_a_crossing_is_judged_by_what_was_said_in_view() -> None:
+    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+    assert found["direction"] == "right"
+    assert found["accuracy"] == pytest.approx(2 / 6)
+    assert found["steps_in_view"] == 6
+    assert found["latency_ms"] == 100
+
+
+def test_a_target_in_view_from_the_start_has_no_latency() -> None:
+    track = track_of((0, 0, 10, 20), (5.0, 8.0))
+    found = judge(SAID, "right", (0, 300_000), track)
+    assert found["latency_ms"] is None
+    assert found["accuracy"] == pytest.approx(2 / 7)
+    assert judge(SAID, "right", (1_000, 300_000), track)["latency_ms"] == 199
+
+
+def test_mistakes_after_100_ms_are_told_apart() -> None:
+    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+    kinds = ("accuracy", "opposite", "sideways", "none")
+    shares = [found[f"{kind}_after_100ms"] for kind in kinds]
+    assert shares == pytest.approx([1 / 4] * 4)
+
+
+def test_attention_is_held_against_box_and_centroid() -> None:
+    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+    assert found["roi_iou"] == pytest.approx(3 / 4 * 0.5)  # one step without a region
+    assert found["centroid_error_px"] == pytest.approx(3.0)
+
+
+def test_a_detector_that_never_names_a_region_has_no_overlap() -> None:
+    said = [estimate(t_us, Direction.RIGHT, None) for t_us in (220_000, 250_000)]
+    track = track_of((0, 0, 10, 20), (5.0, 8.0))
+    found = judge(said, "right", IN_VIEW_US, track)
+    assert found["roi_iou"] is None
+    assert found["centroid_error_px"] == pytest.approx(3.0)
+    before = estimate(50_000, Direction.NONE)
+    assert judge([before, *said], "right", IN_VIEW_US, track)["roi_iou"] == 0.0
+
+
+def test_the_scenes_own_names_of_directions_will_do() -> None:
+    track = track_of((0, 0, 1, 1), (0.5, 0.5))
+    by_enum = judge(SAID, SceneDirection.LEFT, IN_VIEW_US, track)
+    assert by_enum == judge(SAID, "left", IN_VIEW_US, track)
+    assert by_enum["accuracy"] == pytest.approx(2 / 6)
+
+
+def test_without_a_step_there_is_no_figure() -> None:
+    found = judge([], "up", (0, 0), Track())
+    assert found["direction"] == "none"
+    assert found["steps_in_view"] == 0
+    nothing = {name for name, value in found.items() if value is None}
+    assert nothing >= {"accuracy", "opposite_after_100ms", "roi_iou", "centroid_error_px", "grms"}
+
+
+def test_a_track_holds_each_sample_until_the_next() -> None:
+    track = track_of((1, 2, 3, 4), (2.0, 3.0))
+    assert track.in_view_us == IN_VIEW_US
+    assert track.box_px(-1) is None
+    assert track.box_px(99_999) is None
+    assert track.box_px(100_000) == track.box_px(200_000) == (1, 2, 3, 4)
+    assert track.centroid_px(200_000) == (2.0, 3.0)
+    assert track.box_px(400_000) is None
+    assert Track().in_view_us == (0, 0)

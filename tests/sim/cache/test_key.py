@@ -1,0 +1,80 @@
+"""What tells one sequence's light from another's."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from sim import Crossing, CrossingConfig, Distractors, Intrinsics, Lighting
+from sim.cache import key as luminance_key
+from sim.render.vulkan import VulkanDevice
+
+TIMES_US = [0, 1000, 2500]
+CONFIG = CrossingConfig()
+
+
+@pytest.fixture(scope="module")
+def model() -> Any:
+    return Crossing(CONFIG).scene.model
+
+
+def key(model: Any, config: CrossingConfig = CONFIG, **options: Any) -> str:
+    known: dict[str, Any] = {"lens": Intrinsics(), "times_us": TIMES_US} | options
+    return luminance_key.luminance_key(config, model, **known)
+
+
+def test_it_is_a_name_and_the_same_for_the_same(model: Any) -> None:
+    assert len(key(model)) == 64
+    assert int(key(model), 16) > 0
+    assert key(
+        Crossing(CrossingConfig(distance_m=6.89, illuminance_lux=30_000)).scene.model
+    ) == key(model)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"omega_rad_s": 1.62},
+        {"lighting": Lighting.DUSK},
+        {"paint_reflectance": 0.5},
+        {"step_px": 0.4},
+        {"keyframe_px": 16.0},
+        {"supersample": 2},
+        {"distractors": Distractors(shake_rms_deg=0.1)},
+        {"distractors": Distractors(seed=1)},
+    ],
+)
+def test_any_part_of_the_configuration_tells(model: Any, changed: dict[str, Any]) -> None:
+    assert key(model, replace(CONFIG, **changed)) != key(model)
+
+
+def test_lens_and_times_tell(model: Any) -> None:
+    others = {
+        key(model, lens=Intrinsics(focal_px=300.0)),
+        key(model, lens=Intrinsics(width=345)),
+        key(model, times_us=TIMES_US[:2]),
+        key(model, times_us=[0, 1001, 2500]),
+    }
+    assert len(others | {key(model)}) == 5
+
+
+def test_the_scene_itself_tells_and_drawing_leaves_it_as_it_is(model: Any) -> None:
+    it = Crossing(replace(CONFIG, step_px=8.0, supersample=1))
+    before = key(it.scene.model)
+    list(it.samples([0, it.duration_us // 2]))
+    assert key(it.scene.model) == before
+    it.scene.model.mat_rgba[3, 0] *= 0.5
+    assert key(it.scene.model) != before
+
+
+def test_libraries_devices_and_sources_tell(model: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    keys = {key(model)}
+    monkeypatch.setattr("sim.cache.key.mujoco.__version__", "4.0.1")
+    keys.add(key(model))
+    monkeypatch.setattr("sim.cache.key.np.__version__", "9")
+    keys.add(key(model))
+    monkeypatch.setattr(luminance_key, "vulkan_devices", lambda: [VulkanDevice("a", "b", False)])
+    keys.add(key(model))
+    monkeypatch.setattr(luminance_key, "sources_digest", lambda *_: "0")
+    keys.add(key(model))
+    assert len(keys) == 5

@@ -1,0 +1,56 @@
+"""Cameras of MuJoCo models as pinholes."""
+
+import math
+
+import mujoco
+import pytest
+
+from sim.errors import SceneConfigError
+from sim.render.model_camera import camera_intrinsics, camera_number
+
+
+def of_cameras(more: str = "") -> mujoco.MjModel:
+    cameras = f'<camera name="down" fovy="40"/><camera name="side"/>{more}'
+    return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{cameras}</worldbody></mujoco>")
+
+
+def test_focal_length_by_fovy_and_by_focal_and_sensorsize() -> None:
+    lens = 'sensorsize="6.401e-3 4.81e-3" focal="6e-3 6e-3" resolution="346 260"'
+    model = of_cameras(f'<camera name="lens" {lens}/>')
+    by_angle = camera_intrinsics(model, "down", width=100, height=80)
+    assert by_angle.focal_px == pytest.approx(40 / math.tan(math.radians(20)))
+    by_lens = camera_intrinsics(model, "lens")
+    assert (by_lens.width, by_lens.height) == (346, 260)
+    assert by_lens.focal_px == pytest.approx(6e-3 / 18.5e-6)
+    assert camera_intrinsics(model, "lens", width=173, height=130).focal_px == pytest.approx(
+        3e-3 / 18.5e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ('fovy="45"', "is 1 by 1 px; allowed is 2 and more; give width= and height="),
+        ('resolution="64 48" projection="orthographic"', "orthographic; allowed is a perspective"),
+        (
+            'resolution="64 48" sensorsize="6e-3 6e-3" focal="6e-3 6e-3"',
+            "64.00 pixels across and 48.00 down; allowed are square pixels",
+        ),
+        (
+            'resolution="64 48" sensorsize="8e-3 6e-3" focal="6e-3 6e-3" principal="1e-3 0"',
+            "off the sensor's middle",
+        ),
+    ],
+)
+def test_cameras_that_are_no_pinhole_are_refused(attributes: str, message: str) -> None:
+    model = of_cameras(f'<camera name="odd" {attributes}/>')
+    with pytest.raises(SceneConfigError, match=message):
+        camera_intrinsics(model, "odd")
+
+
+def test_a_camera_that_is_not_there_is_answered_with_those_that_are() -> None:
+    with pytest.raises(SceneConfigError, match="no camera 'eye'; allowed is one of 'down', 'side'"):
+        camera_number(of_cameras(), "eye")
+    bare = mujoco.MjModel.from_xml_string("<mujoco/>")
+    with pytest.raises(SceneConfigError, match="it has none with a name"):
+        camera_number(bare, "eye")

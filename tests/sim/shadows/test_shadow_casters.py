@@ -1,0 +1,72 @@
+"""What may keep light from a thing: by hand, and in the street against all that stands in it."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim import CrossingConfig, Lighting
+from sim.geometry.pinhole import Intrinsics
+from sim.render.filament import FilamentRenderer
+from sim.render.luminance_model import luminance_model
+from sim.scene.moving_objects import box_corners_m
+from sim.scene.scene import build_scene
+from sim.shadows.shadow_casters import shadow_casting_geoms
+
+WORLD = """
+<mujoco>
+  <worldbody>
+    <light type="directional" dir="1 0 -1" castshadow="true" intensity="{sun}"/>
+    <light type="spot" pos="0 9 1" dir="0 -1 0" castshadow="true" intensity="{lamp}"/>
+    <light type="spot" pos="0 -9 1" dir="0 1 0" castshadow="false" intensity="9"/>
+    <geom name="towards the sun" size=".5" pos="-10 0 10"/>
+    <geom name="away from the sun" size=".5" pos="10 0 -10"/>
+    <geom name="before the lamp" size=".5" pos="0 5 2"/>
+    <geom name="behind the lamp" size=".5" pos="0 12 1"/>
+    <geom name="beside" size=".5" pos="5 5 1"/>
+    <geom name="before a lamp without shadows" size=".5" pos="0 -5 1"/>
+    <geom name="without a shadow" size=".5" pos="-10 0 10" group="2"/>
+    <geom name="wall" type="plane" size="0 0 1" pos="0 -20 0" euler="90 0 0"/>
+  </worldbody>
+</mujoco>
+"""
+BOX = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("sun", "lamp", "wanted"),
+    [
+        (1, 0, {"towards the sun", "wall"}),
+        (0, 1, {"before the lamp", "wall"}),
+        (0, 0, {"wall"}),
+    ],
+)
+def test_what_lies_between_a_thing_and_a_lamp_may_shade_it(
+    sun: int, lamp: int, wanted: set[str]
+) -> None:
+    model = mujoco.MjModel.from_xml_string(WORLD.format(sun=sun, lamp=lamp))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+    found = shadow_casting_geoms(model, data, np.arange(model.ngeom), box_corners_m(BOX))
+    assert {model.geom(int(k)).name for k in found} == wanted
+
+
+def test_nothing_else_in_the_street_darkens_the_vehicle() -> None:
+    scene = build_scene(CrossingConfig(lighting=Lighting.NIGHT))
+    model = luminance_model(scene.model)
+    data = mujoco.MjData(model)
+    scene.place(data, -0.1)
+    still = np.setdiff1d(np.arange(model.ngeom), scene.target.geoms)
+    idle = np.setdiff1d(
+        still, shadow_casting_geoms(model, data, still, scene.target.corners_m(data))
+    )
+    rectangle = (100, 110, 290, 190)
+    with FilamentRenderer(model, Intrinsics()) as renderer:
+        renderer.update(data)
+        vehicle = np.isin(renderer.segmentation(scene.pose, rectangle), scene.target.geoms)
+        whole = renderer.fine(scene.pose, rectangle, 1)[vehicle]
+        with renderer.hidden(idle):
+            alone = renderer.fine(scene.pose, rectangle, 1)[vehicle]
+    assert vehicle.mean() > 0.2
+    np.testing.assert_array_equal(alone, whole)
+    assert 0 < len(idle) < len(still)
