@@ -12,8 +12,6 @@ import numpy.typing as npt
 
 F64 = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
-PEDESTRIAN, TREE = "pedestrian", "tree"
-"""Kinds of what moves and is no vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +27,8 @@ class MovingObject:
         box_m: (2, 3) lowest and highest corner, in the root's frame, of a box that holds the
             object however its limbs swing, its wheels turn or its boughs sway.
         lamps: (k,) lights that move with it.
+        has_limbs: True if parts swing or sway while the root hardly moves.
+        has_wheels: True if all bodies except the root turn about fixed axles.
     """
 
     name: str
@@ -38,6 +38,8 @@ class MovingObject:
     geoms: Numbers
     box_m: F64
     lamps: Numbers
+    has_limbs: bool = False
+    has_wheels: bool = False
 
     def corners_m(self, data: mujoco.MjData) -> F64:
         """(8, 3) world corners of its box, the kinematics of `data` up to date."""
@@ -50,7 +52,14 @@ class MovingObject:
 
 
 def moving_object(
-    model: mujoco.MjModel, name: str, kind: str, root: int, *, excursion_m: float = 0.0
+    model: mujoco.MjModel,
+    name: str,
+    kind: str,
+    root: int,
+    *,
+    excursion_m: float = 0.0,
+    has_limbs: bool = False,
+    has_wheels: bool = False,
 ) -> MovingObject:
     """What hangs from the body `root`.
 
@@ -59,7 +68,9 @@ def moving_object(
         name: of the object.
         kind: of the object.
         root: number of its root body.
-        excursion_m: how far parts of it go beyond where they rest.
+        excursion_m: distance that parts move beyond their rest positions [m].
+        has_limbs: True if parts swing or sway.
+        has_wheels: True if all bodies except the root are wheels.
     """
     bodies = descendants(model, root)
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, bodies))
@@ -74,6 +85,8 @@ def moving_object(
         geoms=geoms,
         box_m=_box(model, data, root, geoms) + spare,
         lamps=np.flatnonzero(np.isin(model.light_bodyid, bodies)),
+        has_limbs=has_limbs and len(bodies) > 1,
+        has_wheels=has_wheels,
     )
 
 

@@ -18,7 +18,7 @@ from sim.motion.paths import Motion
 from sim.motion.trajectory import Trajectory
 from sim.scene import lighting as light
 from sim.scene.lighting import Flicker
-from sim.scene.movers import add_movers, heading, moving_things
+from sim.scene.movers import add_movers, find_movers, heading
 from sim.scene.moving_objects import MovingObject, box_corners_m
 from sim.scene.street import build_street
 from sim.scene.trees import Tree
@@ -161,7 +161,7 @@ def build_scene(config: CrossingConfig) -> Scene:
     model = spec.compile()
     pose = Pose(np.array([0.0, -(config.distance + FLANK_M), CAMERA_HEIGHT_M]))
     trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
-    moving = moving_things(model, config, trajectory, trees)
+    moving = find_movers(model, config, trajectory, trees)
     extra = config.distractors
     return Scene(
         model=model,

@@ -8,7 +8,7 @@ from sim import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection
 from sim.motion.gait import Gait
 from sim.scene.facades import PAVEMENT_M
-from sim.scene.moving_objects import PEDESTRIAN, MovingObject
+from sim.scene.moving_objects import MovingObject
 from sim.scene.scene import Scene, build_scene
 from tests.sim.worlds import world_points
 
@@ -16,7 +16,7 @@ from tests.sim.worlds import world_points
 def walk(speed_m_s: float = 1.4) -> tuple[Scene, MovingObject, mujoco.MjData]:
     extra = Distractors(pedestrian=RelativeDirection.SAME, pedestrian_speed_m_s=speed_m_s)
     scene = build_scene(CrossingConfig(distractors=extra))
-    item = next(item for item in scene.objects if item.kind == PEDESTRIAN)
+    item = next(item for item in scene.objects if item.kind == "pedestrian")
     return scene, item, mujoco.MjData(scene.model)
 
 
