@@ -64,7 +64,7 @@ def test_every_field_is_documented() -> None:
 
 def test_a_walker_does_not_walk_into_the_camera() -> None:
     near = Distractors(pedestrian=RelativeDirection.SAME, pedestrian_pavement=Pavement.NEAR)
-    with pytest.raises(SceneConfigError, match=r"distance_m is 3\.5.*near pavement.*allowed is 4"):
+    with pytest.raises(SceneConfigError, match=r"distance_m is 3\.5.*near pavement.*Allowed is 4"):
         CrossingConfig(distance_m=3.5, distractors=near)
     CrossingConfig(distance_m=4.5, distractors=near)
     CrossingConfig(distance_m=3.5, distractors=Distractors(pedestrian=RelativeDirection.SAME))

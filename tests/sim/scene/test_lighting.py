@@ -6,7 +6,7 @@ import pytest
 from sim import CrossingConfig, Lighting
 from sim.errors import SceneConfigError
 from sim.scene import lighting as light
-from sim.scene.scene import compose
+from sim.scene.scene import build_spec
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_flicker_keeps_the_mean_and_has_the_depth_asked_for(rate_hz: int) -> Non
 
 @pytest.mark.parametrize(("lux", "sky_lux"), [(300.0, 290.0), (50.0, 40.0), (8.0, 4.0)])
 def test_at_dusk_the_lamps_add_their_own_to_the_sky(lux: float, sky_lux: float) -> None:
-    model = compose(CrossingConfig(lighting=Lighting.DUSK, illuminance_lux=lux)).compile()
+    model = build_spec(CrossingConfig(lighting=Lighting.DUSK, illuminance_lux=lux)).compile()
     sky_cd_m2 = float(model.light_intensity[model.light("sky").id])
     assert sky_cd_m2 * math.pi == pytest.approx(sky_lux)
     lamps = [k for k in range(model.nlight) if "street" in model.light(k).name]

@@ -11,12 +11,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from flybench.direction import Direction
+from flybench.direction import CARDINAL, Direction
 from sim import CrossingConfig, Intrinsics, Lighting, project
 from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.render.luminance_model import luminance_model
-from sim.scene.scene import Scene, build_scene, compose
+from sim.scene.scene import Scene, build_scene, build_spec
 
 EVERYTHING = Distractors(
     wind_grade=4,
@@ -33,7 +33,7 @@ COARSE = Intrinsics(width=86, height=64, focal_px=80.0)
 
 @pytest.mark.parametrize(
     ("kind", "direction", "lighting"),
-    list(itertools.product(VehicleKind, Direction, Lighting)),
+    list(itertools.product(VehicleKind, CARDINAL, Lighting)),
 )
 def test_every_vehicle_goes_every_way_by_any_light(
     kind: VehicleKind, direction: Direction, lighting: Lighting
@@ -151,7 +151,7 @@ def test_paint_returns_the_share_of_light_that_its_reflectance_says() -> None:
     seen = []
     for reflectance in (0.04, 0.8):
         config = CrossingConfig(paint_reflectance=reflectance, illuminance_lux=10_000.0)
-        spec = compose(config)
+        spec = build_spec(config)
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=[1.0, 0.8, 0.005],

@@ -6,7 +6,7 @@ import pytest
 
 from sim import CrossingConfig, SceneConfigError
 from sim.distractors import VehicleKind
-from sim.scene import assets as assets_folder
+from sim.scene import assets as assets
 from sim.scene.assets import ASSETS, open_asset
 from sim.scene.lighting import relative_luminance
 from sim.scene.moving_objects import moving_object
@@ -73,11 +73,11 @@ def test_a_missing_texture_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     (tmp_path / "wall.xml").write_text(
         '<mujoco><asset><texture name="t" type="2d" file="gone.png"/></asset></mujoco>'
     )
-    monkeypatch.setattr(assets_folder, "ASSETS", tmp_path)
-    with pytest.raises(SceneConfigError, match=r"gone\.png.*allowed are.*install"):
+    monkeypatch.setattr(assets, "ASSETS", tmp_path)
+    with pytest.raises(SceneConfigError, match=r"gone\.png.*Allowed are.*Install"):
         open_asset("wall.xml")
 
 
 def test_a_missing_file_is_named() -> None:
-    with pytest.raises(SceneConfigError, match=r"tram\.xml.*install"):
+    with pytest.raises(SceneConfigError, match=r"tram\.xml.*Install"):
         open_asset("tram.xml")
