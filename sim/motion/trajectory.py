@@ -69,7 +69,8 @@ class Trajectory:
         bearing = self.omega_rad_s * t_s
         if abs(bearing) > MAX_BEARING_RAD:
             raise SceneConfigError(
-                f"At t = {t_s:.3f} s the bearing ωt is {math.degrees(bearing):.0f}°. Allowed is up to "
-                f"±{math.degrees(MAX_BEARING_RAD):.0f}°. Shorten lead_s, or use constant_speed."
+                f"At t = {t_s:.3f} s the bearing ωt is {math.degrees(bearing):.0f}°. "
+                f"Allowed is up to ±{math.degrees(MAX_BEARING_RAD):.0f}°. "
+                "Shorten lead_s, or use constant_speed."
             )
         return bearing

@@ -28,7 +28,7 @@ from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKin
         ("seed", -1),
     ],
 )
-def test_a_bad_value_is_named_with_what_is_allowed_and_what_to_do(field: str, value: Any) -> None:
+def test_a_message_names_value_range_and_remedy(field: str, value: Any) -> None:
     with pytest.raises(SceneConfigError) as refusal:
         Distractors(**{field: value})
     message = str(refusal.value)

@@ -10,7 +10,7 @@ from sim.motion.gait import Gait
 from sim.scene.facades import PAVEMENT_M
 from sim.scene.moving_objects import MovingObject
 from sim.scene.scene import Scene, build_scene
-from tests.sim.worlds import world_points
+from tests.sim.world_triangles import world_points
 
 
 def walk(speed_m_s: float = 1.4) -> tuple[Scene, MovingObject, mujoco.MjData]:
@@ -72,7 +72,9 @@ def test_the_foot_in_front_stands_on_the_pavement_and_none_digs_in() -> None:
 
 
 @pytest.mark.parametrize("speed_m_s", [0.3, 1.4, 2.5])
-def test_the_box_holds_the_walker_and_no_point_is_faster_than_the_bound(speed_m_s: float) -> None:
+def test_the_box_holds_the_pedestrian_and_no_point_is_faster_than_the_bound(
+    speed_m_s: float,
+) -> None:
     scene, item, data = walk(speed_m_s)
     motion = scene.motions[scene.objects.index(item)]
     step_s = 1e-4

@@ -10,7 +10,7 @@ from sim.scene.lighting import EMISSION_CD_M2, relative_luminance
 from sim.scene.movers import FAR_LANE_M
 from sim.scene.scene import build_spec
 from sim.scene.street import CAR_M, LAMP_CLEARANCE_M, LAMP_X_M, build_street, plan_trees
-from tests.sim.planes import shared_planes
+from tests.sim.shared_planes import shared_planes
 
 EYE_M = np.array([0.0, -7.8, 1.2])
 

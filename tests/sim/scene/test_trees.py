@@ -6,7 +6,7 @@ from sim import CrossingConfig
 from sim.distractors import Distractors
 from sim.scene.scene import Scene, build_scene
 from sim.scene.trees import BOUGH_SWAY_DEG, CROWN_SWAY_DEG, Swaying
-from tests.sim.worlds import world_points, world_triangles
+from tests.sim.world_triangles import world_points, world_triangles
 
 
 def windy(grade: int, seed: int = 0) -> Scene:
