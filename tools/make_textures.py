@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def noise(rng: np.random.Generator, size: int, scale_px: float) -> Image:
-    """Return smooth tiling noise of zero mean and unit deviation, with features of about `scale_px`."""
+    """Return smooth tiling noise: zero mean, unit deviation, features of about `scale_px`."""
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(size), np.fft.fftfreq(size)))
     spectrum = np.fft.fft2(rng.standard_normal((size, size)))
     image = np.fft.ifft2(spectrum * np.exp(-((frequency * scale_px) ** 2) * 4)).real

@@ -35,7 +35,7 @@ def test_a_message_names_value_range_and_remedy(field: str, value: Any) -> None:
     assert field in message
     assert str(value) in message
     assert "Allowed is" in message
-    assert message.count(";") >= 2
+    assert message.count(". ") >= 2
 
 
 def test_by_default_nothing_else_moves() -> None:

@@ -72,7 +72,7 @@ def test_the_foot_in_front_stands_on_the_pavement_and_none_digs_in() -> None:
 
 
 @pytest.mark.parametrize("speed_m_s", [0.3, 1.4, 2.5])
-def test_the_box_holds_the_pedestrian_and_no_point_is_faster_than_the_bound(
+def test_the_box_holds_the_pedestrian_and_no_point_exceeds_the_bound(
     speed_m_s: float,
 ) -> None:
     scene, item, data = walk(speed_m_s)
