@@ -21,7 +21,7 @@ from sim.geometry.rigid_transform import compose_transforms
 from sim.raster.scan_conversion import NOTHING, bounds, perspective, rasterise
 from sim.raster.triangles import Soup
 from sim.scene.lighting import OFF_EMISSION
-from sim.scene.moving_objects import PEDESTRIAN, TREE, MovingObject
+from sim.scene.moving_objects import MovingObject
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -70,9 +70,7 @@ def parts(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> Parts:
 
 def turning_bodies(obj: MovingObject) -> list[int]:
     """Numbers of the bodies that turn on and on in the light: a vehicle's wheels."""
-    if obj.kind in (PEDESTRIAN, TREE):
-        return []
-    return [int(b) for b in obj.bodies if b != obj.root]
+    return [int(b) for b in obj.bodies if b != obj.root] if obj.has_wheels else []
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,6 @@ from sim.raster.triangles import triangle_soup
 from sim.raster.visibility import Visible, look, show_middles
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights
-from sim.scene.moving_objects import PEDESTRIAN, TREE
 from sim.scene.scene import Scene
 from sim.shadows.moving_light import LightReach, MovingLight
 
@@ -227,13 +226,12 @@ class Reprojection:
         for obj, corners in zip(objects, corners_m, strict=True):
             pixels, depth = project(corners.reshape(-1, 3), self._pose, self._wide)
             pixels = np.nan_to_num(pixels.reshape(-1, 8, 2), nan=np.inf)
-            limbed = len(obj.bodies) > 1 and obj.kind in (PEDESTRIAN, TREE)
             plan[obj.name] = keyframe_times(
                 times,
                 pixels,
                 self._in_view(pixels, depth.reshape(-1, 8)),
                 spacing_px,
-                LIMBS_KEYFRAME_US if limbed else None,
+                LIMBS_KEYFRAME_US if obj.has_limbs else None,
             )
         return plan, reach
 

@@ -28,7 +28,7 @@ from sim.errors import SceneConfigError
 from sim.motion.trajectory import MAX_BEARING_RAD
 from sim.render.filament import FilamentRenderer
 from sim.render.luminance_model import luminance_model
-from sim.scene.scene import compose
+from sim.scene.scene import build_spec
 
 FOCAL_PX = 6e-3 / 18.5e-6
 
@@ -156,7 +156,7 @@ def test_another_renderer_draws_the_same_bits() -> None:
 def test_the_road_gets_the_illuminance_asked_for(lighting: str, lux: float) -> None:
     """Read off a white patch on the real street, beside where the vehicle will drive."""
     it = crossing(lighting, illuminance_lux=lux)
-    spec = compose(it.config)
+    spec = build_spec(it.config)
     spec.add_material(name="patch", rgba=[1, 1, 1, 1], metallic=0, roughness=1)
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.5, 0.5, 0.005], material="patch", group=2

@@ -1,4 +1,4 @@
-"""Finds faces that share a plane, between which renderers may choose differently."""
+"""Find faces that share a plane, which renderers may draw in any order."""
 
 import itertools
 
@@ -15,7 +15,7 @@ FINE_M, OVERLAP_M = 2e-4, 2e-3
 def shared_planes(
     model: mujoco.MjModel, *, within_m: float = np.inf, eye_m: F64 | None = None
 ) -> set[tuple[str, str]]:
-    """Materials whose faces lie in one plane, face the same way and overlap.
+    """Return materials whose faces lie in one plane, face the same way and overlap.
 
     Faces that look down, away from `eye_m`, or beyond `within_m` along the world's x, are left out.
     """
@@ -47,7 +47,7 @@ def shared_planes(
 
 
 def _overlap(first: F64, second: F64, normal: F64) -> bool:
-    """Whether two coplanar triangles overlap: no edge of either parts them."""
+    """Return True if two coplanar triangles overlap: no edge separates them."""
     for one, other in ((first, second), (second, first)):
         for k in range(3):
             across = np.cross(one[(k + 1) % 3] - one[k], normal)
