@@ -1,4 +1,7 @@
-"""The photometric scene: a vehicle crosses a street, in cd/m², with its ground truth."""
+"""The photometric simulation: luminance of a scene in cd/m², with exact ground truth.
+
+`Crossing` simulates a vehicle that crosses a street. `PhotometricCamera` works on any MuJoCo model.
+"""
 
 from flybench.direction import Direction
 from sim.cache.luminance_cache import LuminanceCache

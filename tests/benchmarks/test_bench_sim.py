@@ -20,7 +20,7 @@ def crossing(request: pytest.FixtureRequest) -> Crossing:
     group="a whole luminance frame, 346×260, 2×2 [CPU]", timer=process_time, min_rounds=10
 )
 def test_whole_frame(benchmark: Any, crossing: Crossing) -> None:
-    with crossing.full_frames(2) as draw:
+    with crossing.full_frame_renderer(2) as draw:
         times = itertools.count(crossing.duration_us // 2, 1_000)
         draw(0)
         benchmark(lambda: draw(next(times)))
@@ -67,7 +67,7 @@ def test_crossing_against_full_frames(
 
 def full_frame_cpu_s(crossing: Crossing, times_us: Sequence[int]) -> float:
     """Mean over some times, the renderer set up already."""
-    with crossing.full_frames(2) as draw:
+    with crossing.full_frame_renderer(2) as draw:
         draw(0)
         start = process_time()
         for t_us in times_us:
