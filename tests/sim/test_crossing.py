@@ -184,7 +184,7 @@ def test_the_road_has_the_configured_illuminance(lighting: str, lux: float) -> N
 
 
 def test_a_lead_too_long_for_constant_angular_velocity_is_refused_before_rendering() -> None:
-    """Includes leads so near the limit that only times just beyond the sequence exceed crossing."""
+    """Includes leads so near the limit that only times just beyond the sequence exceed it."""
 
     def end_s(lead_s: float) -> float:
         crossing = make_crossing(profile=Profile.CONSTANT_OMEGA, lead_s=lead_s)
