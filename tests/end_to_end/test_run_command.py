@@ -130,7 +130,7 @@ def test_a_run_replaces_an_earlier_run_in_the_same_folder(finished_run: tuple[Pa
         (("--seed", "-3"), ("seed is -3", "allowed is")),
         (("--illuminance-lux", "1e9"), ("illuminance_lux is 1000000000.0", "allowed is")),
         (("--lighting", "moon"), ("moon", "day", "dusk", "night")),
-        (("--distractors.wind-grade", "99"), ("wind_grade is 99", "allowed is 0 to 8")),
+        (("--distractors.wind-grade", "99"), ("wind_grade is 99", "from 0 to 8")),
         (("--also", "wide", "wide"), ("--also names wide", "allowed is each method once")),
         (("--also", "bee"), ("'bee'", "allowed is fly")),
         (("--vehicle", "tank"), ("tank", "sedan", "van", "motorcycle")),
@@ -144,7 +144,7 @@ def test_a_bad_value_is_refused_with_a_message(
     message = " ".join((done.stderr + done.stdout).replace("│", " ").split())
     assert "Traceback" not in message
     for word in words:
-        assert word in message
+        assert word.lower() in message.lower()
     assert list(tmp_path.iterdir()) == []
 
 
