@@ -232,14 +232,14 @@ def target_px_s(crossing: Crossing) -> float:
 
 def full_frames(crossing: Crossing, times_us: list[int]) -> Iterator[tuple[int, Luminance]]:
     """Each sample drawn in full."""
-    with crossing.full_frames() as draw:
+    with crossing.full_frame_renderer() as draw:
         for t_us in times_us:
             yield t_us, draw(t_us)
 
 
 def keyed_frames(crossing: Crossing, times_us: list[int]) -> Iterator[tuple[int, Luminance]]:
     """The same times from keyframes, half way between two: where they are worst."""
-    with crossing.from_keyframes(between_keyframes_us(crossing, times_us)) as draw:
+    with crossing.keyframe_renderer(between_keyframes_us(crossing, times_us)) as draw:
         for t_us in times_us:
             yield t_us, draw(t_us).luminance
 

@@ -53,7 +53,7 @@ def luminance_frames_per_second(frames: int) -> float:
     """Rate at which whole 346×260 frames of the street by day are drawn, from the median time."""
     crossing = Crossing(CrossingConfig())
     times_s = []
-    with crossing.full_frames() as draw:
+    with crossing.full_frame_renderer() as draw:
         for k in range(frames + 1):
             start = time.perf_counter()
             draw(k * 1000)

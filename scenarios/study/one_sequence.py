@@ -97,7 +97,7 @@ def run_one(task: SequenceTask, progress: Progress = lambda _done, _all: None) -
     _compile(task.methods, task.sensor.width, task.sensor.height, task.contrast_hop_us)
     config = task.config()
     crossing = make_crossing(config, task.light.open())
-    begun_us = _draw_ahead(crossing, progress)
+    begun_us = _render_ahead(crossing, progress)
     with ExitStack() as stack:
         recorder = None
         if task.recording is not None:
@@ -110,14 +110,14 @@ def run_one(task: SequenceTask, progress: Progress = lambda _done, _all: None) -
     return audience.result(crossing)
 
 
-def _draw_ahead(crossing: Crossing, progress: Progress) -> int:
+def _render_ahead(crossing: Crossing, progress: Progress) -> int:
     """Draw light before the sensors are there, where it can be kept: both take much memory.
 
     Returns:
         Time drawn [µs]; 0 where light was there.
     """
     drawn_us = 0
-    for drawn_us in crossing.draw_ahead():
+    for drawn_us in crossing.render_ahead():
         progress(drawn_us, 2 * crossing.duration_us)
     return drawn_us
 

@@ -92,7 +92,7 @@ def render_background(
 
     def drawn(which: Rectangle) -> F32:
         renderer.update(data)
-        return _averaged(renderer.fine(pose, which, finer * supersample), finer)
+        return _averaged(renderer.subpixel_luminance(pose, which, finer * supersample), finer)
 
     everything = (0, 0, lens.width, lens.height)
     whole = drawn(everything)

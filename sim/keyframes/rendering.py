@@ -183,7 +183,7 @@ class KeyframeDrawing:
 
     def _fine(self, rectangle: Rectangle, *, shadows: bool = True) -> F32:
         self._renderer.update(self._data)
-        return self._renderer.fine(
+        return self._renderer.subpixel_luminance(
             self.outlines.pose, rectangle, self.outlines.size, shadows=shadows
         )
 

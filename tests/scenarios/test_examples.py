@@ -60,9 +60,9 @@ def test_peers_would_tell_a_difference(capsys: pytest.CaptureFixture[str]) -> No
     ours = peers.our_pictures(events, size)
     moved = events.copy()
     moved["x"][-1] += 1
-    pictures = {"ours": ours, "theirs": peers.tonics_pictures(moved, size)}
+    pictures = {"ours": ours, "theirs": peers.tonic_pictures(moved, size)}
     assert peers.compare(pictures, events.size) == 1
     assert "NOT the same picture" in capsys.readouterr().out
     inverted = events.copy()
     inverted["p"] = ~events["p"]
-    assert not np.array_equal(peers.tonics_pictures(inverted, size)[0], ours[0])
+    assert not np.array_equal(peers.tonic_pictures(inverted, size)[0], ours[0])

@@ -105,7 +105,7 @@ class Compared:
 def compared(name: str) -> Compared:
     it = Crossing(CrossingConfig(**CASES[name]), MIDDLE)
     times_us = piece_times_us(it, PIECE_PX, it.config.step_px)
-    with it.from_keyframes(between_keyframes_us(it, times_us)) as draw:
+    with it.keyframe_renderer(between_keyframes_us(it, times_us)) as draw:
         drawn = [draw(t_us) for t_us in times_us]
     window = hull([w for d in drawn for w in d.rectangles])
     keyed = [d.luminance for d in drawn]
@@ -146,7 +146,7 @@ def full(
     """Images drawn in full inside of a window, and as `still` outside."""
     x0, y0, x1, y1 = window
     images = []
-    with it.full_frames(size, window) as draw:
+    with it.full_frame_renderer(size, window) as draw:
         for t_us in times_us:
             image = still.copy()
             image[y0:y1, x0:x1] = draw(t_us)

@@ -12,7 +12,7 @@ from flybench.events import Events
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.event_camera import BELIEVABLE_PX, EventCamera, MotionWarning
 from sim import SceneConfigError, open_model
-from sim.photometric_camera import A_LIGHT
+from sim.photometric_camera import EXAMPLE_LIGHT
 from sim.scene.assets import ASSETS
 
 SENSOR = SensorConfig.noise_free(width=87, height=65)
@@ -102,7 +102,7 @@ def test_time_that_goes_back_is_refused(model: mujoco.MjModel) -> None:
 
 def test_a_shape_of_unknown_motion_needs_a_period() -> None:
     hills = mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
-      <hfield name="h" nrow="2" ncol="2" size="5 5 1 .1"/></asset><worldbody>{A_LIGHT}
+      <hfield name="h" nrow="2" ncol="2" size="5 5 1 .1"/></asset><worldbody>{EXAMPLE_LIGHT}
       <camera name="eye" pos="0 0 3"/><geom type="hfield" hfield="h"/>
       <body pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
     data = mujoco.MjData(hills)
@@ -118,7 +118,7 @@ def test_a_shape_of_unknown_motion_needs_a_period() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"camera": "ear"}, SceneConfigError, "no camera 'ear'; allowed is one of 'eye'"),
+        ({"camera": "ear"}, SceneConfigError, "no camera 'ear'. Allowed is one of 'eye'"),
         ({"period_us": 0}, ScenarioError, "period_us is 0; allowed is more than 0"),
         ({"step_px": float("nan")}, ScenarioError, "step_px is nan"),
     ],

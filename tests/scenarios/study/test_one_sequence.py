@@ -84,7 +84,7 @@ def test_drawing_ahead_is_a_part_of_progress(
     monkeypatch: pytest.MonkeyPatch, ahead_us: list[int]
 ) -> None:
     monkeypatch.setattr(one_sequence, "make_crossing", lambda *_: CROSSING)
-    monkeypatch.setattr(type(CROSSING), "draw_ahead", lambda _: iter(ahead_us))
+    monkeypatch.setattr(type(CROSSING), "render_ahead", lambda _: iter(ahead_us))
     monkeypatch.setattr(type(CROSSING), "samples", lambda _: samples())
     told: list[float] = []
     run_one(replace(TASK, seeds=(3,)), lambda done, whole: told.append(done / whole))

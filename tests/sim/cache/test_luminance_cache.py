@@ -371,8 +371,8 @@ def drawn_ahead(crossing: Crossing, monkeypatch: pytest.MonkeyPatch) -> list[int
             yield Light(t_us, *still, changed=(0, 0, 346, 260))
 
     monkeypatch.setattr(Crossing, "times_us", lambda _: [0, 1000, 2000])
-    monkeypatch.setattr(Crossing, "_light", draw)
-    return list(crossing.draw_ahead())
+    monkeypatch.setattr(Crossing, "_rendered_luminance", draw)
+    return list(crossing.render_ahead())
 
 
 def test_light_is_drawn_ahead_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,9 +64,9 @@ def test_nothing_else_in_the_street_darkens_the_vehicle() -> None:
     with FilamentRenderer(model, Intrinsics()) as renderer:
         renderer.update(data)
         vehicle = np.isin(renderer.segmentation(scene.pose, rectangle), scene.target.geoms)
-        whole = renderer.fine(scene.pose, rectangle, 1)[vehicle]
+        whole = renderer.subpixel_luminance(scene.pose, rectangle, 1)[vehicle]
         with renderer.hidden(idle):
-            alone = renderer.fine(scene.pose, rectangle, 1)[vehicle]
+            alone = renderer.subpixel_luminance(scene.pose, rectangle, 1)[vehicle]
     assert vehicle.mean() > 0.2
     np.testing.assert_array_equal(alone, whole)
     assert 0 < len(idle) < len(still)

@@ -1,3 +1,5 @@
+"""CPU time of the fly detector for 2 M events: all of it, and parts of it."""
+
 from time import process_time
 
 import numpy as np
@@ -12,7 +14,7 @@ from flybench.events import EVENT_DTYPE, Events
 EVENTS = 2_000_000
 
 
-def moving_clusters() -> Events:
+def moving_block() -> Events:
     """2 M events in 1 s: a textured block of 120×60 px that moves at 500 px/s, and noise."""
     rng = np.random.default_rng(0)
     events = np.zeros(EVENTS, EVENT_DTYPE)
@@ -30,8 +32,8 @@ def moving_clusters() -> Events:
 @pytest.mark.benchmark(group="2 M events and 100 estimates, by chunk [CPU]", timer=process_time)
 @pytest.mark.parametrize("chunk", [100, 1_000, 10_000, 100_000, 1_000_000])
 def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
-    """Events a second through `push`, with the estimate of every hop."""
-    events = moving_clusters()
+    """All stages through `push`, with one estimate per hop."""
+    events = moving_block()
     FlyDetector().push(events[:20_000])
 
     def run() -> None:
@@ -42,11 +44,13 @@ def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
     benchmark(run)
 
 
-@pytest.mark.benchmark(group="2 M events accumulated, by chunk [CPU]", timer=process_time)
+@pytest.mark.benchmark(
+    group="2 M events accumulated without estimates, by chunk [CPU]", timer=process_time
+)
 @pytest.mark.parametrize("chunk", [100, 1_000, 10_000, 100_000, 1_000_000])
 def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
-    """Events a second through checks and time surfaces, without the estimates."""
-    events, config = moving_clusters(), FlyConfig()
+    """Event checks and time surfaces, without estimates."""
+    events, config = moving_block(), FlyConfig()
     chunks = [events[start : start + chunk] for start in range(0, EVENTS, chunk)]
 
     def run() -> None:
@@ -67,17 +71,19 @@ def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
     benchmark(run)
 
 
-@pytest.mark.benchmark(group="one estimate, dense stages [CPU]", timer=process_time)
+@pytest.mark.benchmark(
+    group="one estimate, stages that process the whole image [CPU]", timer=process_time
+)
 @pytest.mark.parametrize("preset", ["paper", "wide"])
 def test_estimate(benchmark: BenchmarkFixture, preset: str) -> None:
-    """Dense stages of one estimate: averages, T4/T5, attention, tangential cells."""
-    events = moving_clusters()
+    """Averages, T4/T5, attention and tangential cells of one estimate."""
+    events = moving_block()
     first = events[events["t"] < 200_000]
 
-    def half_way() -> tuple[tuple[FlyDetector], dict[str, int]]:
+    def after_first_events() -> tuple[tuple[FlyDetector], dict[str, int]]:
         fly = FlyDetector(FlyConfig.preset(preset))
         fly.push(first)
         return (fly,), {"t_us": 200_000}
 
-    assert len(FlyDetector.advance(*half_way()[0], t_us=200_000)) == 1
-    benchmark.pedantic(FlyDetector.advance, setup=half_way, rounds=50)  # type: ignore[no-untyped-call]
+    assert len(FlyDetector.advance(*after_first_events()[0], t_us=200_000)) == 1
+    benchmark.pedantic(FlyDetector.advance, setup=after_first_events, rounds=50)  # type: ignore[no-untyped-call]

@@ -1,7 +1,8 @@
-"""What the methods cost on the same events, and the errors of those that give a velocity.
+"""CPU time of the detectors on equal events, and the errors of those that give a velocity.
 
-The window has 20 000 events in 50 ms. `pip install eventcv` puts contrast maximisation that was
-not written here beside ours; without it that one is skipped.
+The events of the velocity benchmarks are 20 000 in 50 ms. With the package eventcv installed, its
+contrast maximisation is measured for comparison with flybench's; without it that benchmark is
+skipped.
 """
 
 import math
@@ -29,13 +30,13 @@ WINDOW = "one velocity from 20 000 events in 50 ms [CPU]"
 SPEEDS_PX_S = [120.0, 500.0, 1000.0]
 
 
-def truth(speed_px_s: float) -> tuple[float, float]:
+def true_velocity_px_s(speed_px_s: float) -> tuple[float, float]:
     return speed_px_s * math.cos(0.3), speed_px_s * math.sin(0.3)
 
 
-def note_error(benchmark: BenchmarkFixture, found: object, speed_px_s: float) -> None:
-    away = np.subtract(np.asarray(found, np.float64), truth(speed_px_s))
-    benchmark.extra_info["error_px_s"] = round(float(np.hypot(*away)), 2)
+def record_error(benchmark: BenchmarkFixture, estimate: object, speed_px_s: float) -> None:
+    error = np.subtract(np.asarray(estimate, np.float64), true_velocity_px_s(speed_px_s))
+    benchmark.extra_info["error_px_s"] = round(float(np.hypot(*error)), 2)
 
 
 @pytest.mark.benchmark(group=WINDOW, timer=process_time)
@@ -45,9 +46,9 @@ def note_error(benchmark: BenchmarkFixture, found: object, speed_px_s: float) ->
 def test_contrast_maximisation(
     benchmark: BenchmarkFixture, is_cold: bool, reward: Reward, speed_px_s: float
 ) -> None:
-    """Ours, cold or from a start 7 % and 20 px/s off."""
-    events = dots(truth(speed_px_s), seed=int(speed_px_s))
-    vx, vy = truth(speed_px_s)
+    """flybench's, without a start value or from one that is 7 % and 20 px/s off."""
+    events = dots(true_velocity_px_s(speed_px_s), seed=int(speed_px_s))
+    vx, vy = true_velocity_px_s(speed_px_s)
     start = None if is_cold else (0.93 * vx + 20.0, 0.93 * vy - 20.0)
     config = ContrastConfig(reward=reward)
 
@@ -59,25 +60,25 @@ def test_contrast_maximisation(
         return estimate.velocity_px_s
 
     run()
-    note_error(benchmark, benchmark(run), speed_px_s)
+    record_error(benchmark, benchmark(run), speed_px_s)
 
 
 @pytest.mark.benchmark(group=WINDOW, timer=process_time)
 @pytest.mark.parametrize("speed_px_s", SPEEDS_PX_S)
 def test_eventcv(benchmark: BenchmarkFixture, speed_px_s: float) -> None:
-    """The peer's, with its defaults: from rest, by variance."""
+    """eventcv's with its defaults: it starts at velocity 0 and maximises the variance."""
     eventcv = pytest.importorskip("eventcv")
-    events = dots(truth(speed_px_s), seed=int(speed_px_s))
+    events = dots(true_velocity_px_s(speed_px_s), seed=int(speed_px_s))
     columns = np.stack([events[name].astype(np.int64) for name in "xytp"], axis=1)
     stream = eventcv.from_numpy(columns, sensor_size=(346, 260), time_unit="us")
-    found = benchmark(lambda: stream.contrast_maximise()["params"])
-    note_error(benchmark, found, speed_px_s)
+    velocity = benchmark(lambda: stream.contrast_maximise()["params"])
+    record_error(benchmark, velocity, speed_px_s)
 
 
 @pytest.mark.benchmark(group="a crossing with an estimate every 10 ms [CPU]", timer=process_time)
 @pytest.mark.parametrize("make", [FlyDetector, ContrastMaximisation, PlaneFit])
 def test_detectors(benchmark: BenchmarkFixture, make: type[Detector]) -> None:
-    """The event-driven methods on one stream: 500 px/s, noise of 1 Hz a pixel."""
+    """The event-based detectors on one stream: 500 px/s, noise of 1 Hz per pixel."""
     events, until_us = passing(500, Direction.RIGHT, noise_hz=1.0)
     benchmark.extra_info["events"] = int(events.size)
     benchmark.extra_info["estimates"] = until_us // 10_000
@@ -94,7 +95,7 @@ def test_detectors(benchmark: BenchmarkFixture, make: type[Detector]) -> None:
 @pytest.mark.benchmark(group="one APS frame [CPU]", timer=process_time)
 @pytest.mark.parametrize("preset", ["published", "coarse"])
 def test_frame_fly(benchmark: BenchmarkFixture, preset: str) -> None:
-    """The frame-based fly, a frame of 346×260 px."""
+    """The frame-based fly detector on frames of 346×260 px."""
     rng = np.random.default_rng(0)
     images = [rng.integers(0, 1024, (260, 346)).astype(np.uint16) for _ in range(2)]
     fly = FrameFly(FrameFlyConfig.preset(preset))
