@@ -31,8 +31,8 @@ LAYERS = {
         "grey_levels readout pixel presets aps thread_pool sensor characterisation"
     ),
     "detector": (
-        "errors estimate event_checks windowed fly metrics frame_fly contrast_maximisation "
-        "plane_fit"
+        "errors estimate event_checks windowed decision fly metrics frame_fly "
+        "contrast_maximisation plane_fit"
     ),
     "formats": (
         "errors columns identify readers parser_process isolated_reader event_file writers"

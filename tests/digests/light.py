@@ -30,7 +30,7 @@ from sim import (
     event_truth,
     preview_jpegs,
 )
-from sim.photometric_camera import A_LIGHT
+from sim.photometric_camera import EXAMPLE_LIGHT
 from tests.digests.exact import Case
 
 SAMPLES = 12
@@ -64,7 +64,7 @@ CROSSINGS = {
         distractors=Distractors(wind_grade=3),
     ),
 }
-MODEL = f"""<mujoco><worldbody>{A_LIGHT}
+MODEL = f"""<mujoco><worldbody>{EXAMPLE_LIGHT}
 <camera name="eye" pos="0 -2 1" xyaxes="1 0 0 0 .4 1" fovy="45" resolution="96 64"/>
 <geom type="plane" size="5 5 .1" rgba=".4 .4 .4 1"/>
 <body pos="0 0 .6"><joint type="hinge" axis="0 1 0"/>
@@ -131,12 +131,12 @@ def sources(name: str) -> Any:
     outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in samples(name)]
     events = np.concatenate([output.events for output in outputs])
     causes = np.concatenate([output.causes for output in outputs])
-    return events, causes, event_truth(events, causes, crossing(name), light=Cause.SIGNAL)
+    return events, causes, event_truth(events, causes, crossing(name), signal=Cause.SIGNAL)
 
 
 def full_frames(name: str) -> Iterator[Any]:
     """Images that are drawn in full."""
-    with crossing(name).full_frames() as draw:
+    with crossing(name).full_frame_renderer() as draw:
         for t_us in middle_us(name)[::4]:
             yield draw(t_us)
 

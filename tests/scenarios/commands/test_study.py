@@ -85,7 +85,7 @@ def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
         ({"methods": ()}, "--methods names none"),
         ({"omegas": (0.0,)}, "omega_rad_s"),
         ({"omegas": (1.61, 1.61)}, "allowed is each once"),
-        ({"contrast_hop_ms": 30.0}, "no multiple of hop_us"),
+        ({"contrast_hop_ms": 30.0}, "Allowed is a multiple of hop_us"),
         ({"jobs": 0}, "jobs is 0"),
     ],
 )

@@ -37,7 +37,7 @@ def test_contrast_maximisation_has_the_hop_of_the_study() -> None:
     watcher = make_watcher(CONTRAST, 0, contrast_hop_us=25_000, **SIZE)
     assert watcher.config is not None
     assert watcher.config.hop_us == 25_000
-    with pytest.raises(DetectorConfigError, match="no multiple of hop_us"):
+    with pytest.raises(DetectorConfigError, match="Allowed is a multiple of hop_us"):
         make_watcher(CONTRAST, 0, contrast_hop_us=30_000, **SIZE)
 
 

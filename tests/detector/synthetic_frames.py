@@ -1,4 +1,4 @@
-"""Drawn frames: gratings and bars that move by a number of pixels a frame, with sensor noise."""
+"""Synthetic frames of gratings and bars that move at constant speed, with sensor noise."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ NOISE_DN = 2.0
 U16 = npt.NDArray[np.uint16]
 F64 = npt.NDArray[np.float64]
 Profile = Callable[[F64], F64]
-"""Brightness along the way of motion [DN] at positions on the pattern [px]."""
+"""Brightness [DN] at positions on the pattern along the direction of motion [px]."""
 
 
 def grating(period_px: float, *, contrast: float = 0.4) -> Profile:
+    """Return the profile of a sine grating."""
     return lambda x: BASE_DN * (1 + contrast * np.sin(2 * np.pi * x / period_px))
 
 
 def bar(width_px: float, *, level_dn: float = 500.0) -> Profile:
-    """A bar whose middle is at 0; its rims are shared by the pixels that they cross."""
+    """Return the profile of a bar centred at 0; pixels at its edges are partly covered."""
 
     def profile(x: F64) -> F64:
         cover = np.clip(width_px / 2 + 0.5 - np.abs(x), 0.0, 1.0)
@@ -44,7 +45,7 @@ def frames(
     start_px: float = 30.0,
     seed: int = 0,
 ) -> Iterator[U16]:
-    """Frames of a pattern that moves `step_px` from one to the next."""
+    """Generate frames of a pattern that moves by `step_px` per frame."""
     rng = np.random.default_rng(seed)
     shape = (HEIGHT, WIDTH)
     if direction in (Direction.UP, Direction.DOWN):
@@ -60,9 +61,11 @@ def frames(
         yield np.clip(noisy, 0, 1023).astype(np.uint16)
 
 
-def watch(fly: FrameFly, images: Iterator[U16], *, interval_us: int) -> list[MotionEstimate]:
-    """What it says to frames at a steady rate."""
-    found: list[MotionEstimate] = []
+def run_on_frames(
+    fly: FrameFly, images: Iterator[U16], *, interval_us: int
+) -> list[MotionEstimate]:
+    """Return the estimates for frames at a constant rate."""
+    estimates: list[MotionEstimate] = []
     for n, image in enumerate(images):
-        found += fly.push_frame(n * interval_us, image)
-    return found
+        estimates += fly.push_frame(n * interval_us, image)
+    return estimates
