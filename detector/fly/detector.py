@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
 
@@ -17,6 +16,7 @@ from detector.event_checks import check_chunk, check_order, checked_time
 from detector.fly.attention import ViewCentre, saliency_map
 from detector.fly.config import FlyConfig
 from detector.fly.correlation import t4, t5
+from detector.fly.maps import FlyMaps
 from detector.fly.model_variants import Attention, Normalisation, RegionActivity
 from detector.fly.region import region_of_interest
 from detector.fly.state import (
@@ -42,27 +42,6 @@ from flybench.events import Events
 __all__ = ["FlyConfig", "FlyDetector", "FlyMaps"]
 
 F32 = npt.NDArray[np.float32]
-
-
-@dataclass(frozen=True, slots=True)
-class FlyMaps:
-    """The maps behind the last estimate, for display; each estimate makes new ones.
-
-    Attributes:
-        on: ON surface, (rows, columns) float32, one value per cell, dimensionless.
-        off: OFF surface, (rows, columns) float32.
-        motion: T4 + T5, (4, rows, columns) float32, planes right, left, up, down.
-        saliency: smoothed H_on + H_off, (rows, columns) float32.
-        attended: region of interest, (rows, columns) bool.
-        cell_px: side of a cell [px].
-    """
-
-    on: F32
-    off: F32
-    motion: F32
-    saliency: F32
-    attended: npt.NDArray[np.bool_]
-    cell_px: int
 
 
 class FlyDetector:
@@ -114,7 +93,7 @@ class FlyDetector:
         self._centre = ViewCentre(c, grid=grid, image_centre=image_centre)
         self._hop = 0
         self._now_us: int | None = None
-        self._blank_maps = _blank_maps(grid, c.cell_px)
+        self._blank_maps = FlyMaps.blank(grid, cell_px=c.cell_px)
         self.maps = self._blank_maps
 
     def push(self, events: Events) -> list[MotionEstimate]:
@@ -247,7 +226,7 @@ class FlyDetector:
             strength=max(abs(hs), abs(vs)),
             response=response,
             view_centre_px=((x + 0.5) * c.cell_px, (y + 0.5) * c.cell_px),
-            roi_px=self._roi_px(),
+            roi_px=self.maps.bounding_box_px(width=self._width, height=self._height),
         )
 
     def _normalise(self, response: tuple[float, float], lp: DirectionSums) -> tuple[float, float]:
@@ -285,16 +264,6 @@ class FlyDetector:
             share=c.roi_share,
         )
 
-    def _roi_px(self) -> tuple[int, int, int, int] | None:
-        attended, side = self.maps.attended, self.config.cell_px
-        rows = np.flatnonzero(attended.any(axis=1))
-        if rows.size == 0:
-            return None
-        columns = np.flatnonzero(attended.any(axis=0))
-        x0, y0 = int(columns[0]) * side, int(rows[0]) * side
-        x1, y1 = (int(columns[-1]) + 1) * side, (int(rows[-1]) + 1) * side
-        return x0, y0, min(x1, self._width), min(y1, self._height)
-
 
 def _checked_config(config: Any) -> FlyConfig:
     if not isinstance(config, FlyConfig):
@@ -311,15 +280,3 @@ def _checked_side(name: str, value: Any) -> int:
             f"{name} is {value!r}. Allowed is a whole number of px. Pass it as an int."
         )
     return int(value)
-
-
-def _blank_maps(grid: tuple[int, int], cell_px: int) -> FlyMaps:
-    blank = np.zeros(grid, np.float32)
-    return FlyMaps(
-        on=blank,
-        off=blank,
-        motion=np.zeros((4, *grid), np.float32),
-        saliency=blank,
-        attended=np.zeros(grid, np.bool_),
-        cell_px=cell_px,
-    )
