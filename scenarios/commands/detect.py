@@ -189,7 +189,7 @@ def _check_events(path: Path) -> None:
 
 
 def _check_something(file: EventFile) -> None:
-    if not file.found.events and not file.found.frames:
+    if not file.statistics.events and not file.statistics.frames:
         raise ScenarioError(
             f"{file.path} holds no event and no frame, so that there is nothing to detect; record "
             "it again, or give another file"

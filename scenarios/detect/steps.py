@@ -141,7 +141,7 @@ def _step(estimate: MotionEstimate) -> dict[str, Any]:
 
 def _rows(file: EventFile) -> list[tuple[str, str]]:
     """What a file says and what was found in it, once it was read."""
-    found = file.found
+    found = file.statistics
     rows = [
         ("format", file.format),
         ("sensor", f"{file.width} × {file.height} px, from {file.size_from}"),
@@ -159,13 +159,13 @@ def _rows(file: EventFile) -> list[tuple[str, str]]:
 
 def _facts(file: EventFile) -> dict[str, Any]:
     """The same for a program."""
-    found = file.found
+    found = file.statistics
     return {
         "format": file.format,
         "width": file.width,
         "height": file.height,
         "size_from": file.size_from,
-        "says": file.what_it_says,
+        "says": file.header_facts,
         "origin_us": file.origin_us,
         "events": found.events,
         "first_us": found.first_us,
@@ -183,7 +183,7 @@ def _closing_table(
     table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
     for name, value in _rows(file):
         table.add_row(name, value)
-    for name, value in file.what_it_says.items():
+    for name, value in file.header_facts.items():
         table.add_row(escape(f"it says: {name}"), escape(value))
     table.add_section()
     table.add_row("method", escape(method))

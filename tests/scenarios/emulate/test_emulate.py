@@ -59,7 +59,7 @@ def test_a_video_gives_its_rate_and_aedat4_holds_frames(
     assert "warning" not in said.err
     with open_events(out) as file:
         frames = [frame for chunk in file for frame in chunk.frames]
-        assert file.found.events > 1000
+        assert file.statistics.events > 1000
         assert len(frames) > 3
     assert frames[0].image.shape == (260, 346)
 
