@@ -18,8 +18,8 @@ from formats import EventWriter, open_writer
 from scenarios.emulate.pictures import Pictures, open_pictures
 from scenarios.emulate.samples import BELIEVABLE_PX, STEP_PX, Motion, samples
 from scenarios.errors import ScenarioError
-from scenarios.output.terminal import progress_bar, script
-from scenarios.output.whole_file import check_place
+from scenarios.output.atomic_file import check_output_file
+from scenarios.output.terminal import progress_bar, run_cli
 
 FPS_MIN, FPS_MAX = 0.1, 100_000.0
 WHITE_CD_M2 = 200.0
@@ -78,7 +78,7 @@ class Emulate:
 
     def execute(self) -> int:
         """Emulate, write the file, and print what is in it."""
-        check_place(self.out, "--out")
+        check_output_file(self.out, "--out")
         pictures = open_pictures(self.input)
         fps, motion, seen = self._fps(pictures), Motion(), Seen()
         config = preset(self.sensor)
@@ -186,4 +186,4 @@ def _tell(what: str, *, kind: str = "warning") -> None:
 
 
 if __name__ == "__main__":
-    script(Emulate)
+    run_cli(Emulate)
