@@ -32,7 +32,7 @@ from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
 
 _SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
-_FROM_FILE = "(default: from the file)"
+_FROM_FILE = "(default: from the file, or inferred from its values)"
 
 
 @dataclass(frozen=True)
