@@ -140,7 +140,7 @@ def test_a_bad_value_is_refused_in_a_sentence(
     said = " ".join((done.stderr + done.stdout).replace("│", " ").split())
     assert "Traceback" not in said
     for word in words:
-        assert word in said
+        assert word.lower() in said.lower()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -148,5 +148,5 @@ def test_a_folder_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     done = flybench("run", *COARSE, "--out", str(tmp_path))
     assert done.returncode == 2
-    assert "was not written by flybench" in done.stderr
+    assert "were not written by flybench" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]

@@ -102,7 +102,7 @@ def test_bad_arguments_are_refused_before_anything_is_drawn(
 
 def test_somebody_elses_folder_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(ScenarioError, match="was not written by flybench"):
+    with pytest.raises(ScenarioError, match="were not written by flybench"):
         replace(TINY, out=tmp_path).execute()
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
