@@ -94,8 +94,8 @@ def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
     with path.open("rb") as file:
         file.seek(start)
         while block := file.read(_BLOCK * _RECORD.itemsize):
-            whole = len(block) // _RECORD.itemsize
-            records = np.frombuffer(block, _RECORD, count=whole)
+            count = len(block) // _RECORD.itemsize
+            records = np.frombuffer(block, _RECORD, count=count)
             records = records[(records["address"] & chip.other) == 0]
             t, wraps, last = _unwrap(records["t"].astype(np.int64), wraps, last)
             yield _columns(records["address"].astype(np.int64), t, chip)

@@ -110,15 +110,11 @@ def _layout(path: Path) -> Layout:
         return Layout(start, ("t", "x", "y", "p"), size, "us", names is not None)
     if not rows:
         raise _no_events(path, head)
-    return _with_order(path, start, names, size, rows)
+    return _layout_of_rows(path, start, names, size, rows)
 
 
-def _with_order(
-    path: Path,
-    start: int,
-    names: list[str] | None,
-    size: Size | None,
-    rows: list[list[str]],
+def _layout_of_rows(
+    path: Path, start: int, names: list[str] | None, size: Size | None, rows: list[list[str]]
 ) -> Layout:
     count = len(rows[0])
     if count < 4:
@@ -126,30 +122,33 @@ def _with_order(
             f"{path}: the line at byte {start} has {count} columns. Allowed are 4 or more: t x y "
             "p. Add the missing columns."
         )
-    whole = [row for row in rows if len(row) == count and all(map(_is_number, row))]
-    if not whole:
+    valid = [row for row in rows if len(row) == count and all(map(_is_number, row))]
+    if not valid:
         raise FormatError(
             f"{path}: the line at byte {start} is {' '.join(rows[0])[:60]!r}. Allowed are numbers "
             "t x y p, such as 0.0035 120 64 1. Repair or remove it."
         )
     unit = None
     if names is not None:
-        plain = [_column_name(name) for name in names]
-        found = match_columns(tuple(plain))
-        if found is None or len(names) != count:
-            raise FormatError(
-                f"{path} has the header {' '.join(names)[:80]!r} and {count} columns. The header "
-                "must name every column, t, x, y and p among them. Rename them or remove the "
-                "header."
-            )
-        back = {alias: column for column, alias in found.items()}
-        order = tuple(back.get(name, "") for name in plain)
+        order = _order_from_header(path, names, count)
         unit = _unit(names[order.index("t")])
     else:
-        order = _guess(np.array([[float(word) for word in row] for row in whole]), whole)
+        order = _guess(np.array([[float(word) for word in row] for row in valid]), valid)
     if unit is None:
-        unit = "s" if any(re.search(r"[.eE]", row[order.index("t")]) for row in whole) else "us"
+        unit = "s" if any(re.search(r"[.eE]", row[order.index("t")]) for row in valid) else "us"
     return Layout(start, order, size, unit, names is not None)
+
+
+def _order_from_header(path: Path, names: list[str], count: int) -> tuple[str, ...]:
+    plain = [_column_name(name) for name in names]
+    found = match_columns(tuple(plain))
+    if found is None or len(names) != count:
+        raise FormatError(
+            f"{path} has the header {' '.join(names)[:80]!r} and {count} columns. The header must "
+            "name every column, t, x, y and p among them. Rename them or remove the header."
+        )
+    back = {alias: column for column, alias in found.items()}
+    return tuple(back.get(name, "") for name in plain)
 
 
 def _size(line: bytes) -> Size | None:

@@ -29,6 +29,10 @@ LOGS = Path("logs")
 SECOND_SPEED = 1
 """Index of 40 km/h among the paper's four speeds."""
 
+_OMEGA_HINT = (
+    f"(default: the paper's for 40 km/h, {PAPER_OMEGA_RAD_S[Lighting.DAY][SECOND_SPEED]} by day "
+    f"and at dusk, {PAPER_OMEGA_RAD_S[Lighting.NIGHT][SECOND_SPEED]} at night)"
+)
 _DISTANCE_HINT = (
     f"(default: the paper's {DISTANCE_M[Lighting.DAY]} by day and at dusk, "
     f"{DISTANCE_M[Lighting.NIGHT]} at night)"
@@ -49,8 +53,7 @@ class Run:
         float | None,
         tyro.conf.arg(
             metavar="RAD_S",
-            help_behavior_hint="(default: the paper's for 40 km/h, 1.61 by day and at dusk, 1.42 "
-            "at night)",
+            help_behavior_hint=_OMEGA_HINT,
         ),
     ] = None
     """Angular velocity of the vehicle at closest approach, 0.05 to 10 [rad/s]."""

@@ -30,10 +30,10 @@ FAERY = np.dtype([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
 
 def read_with_aedat(path: Path) -> Events:
     packets = [packet["events"] for packet in aedat.Decoder(path) if "events" in packet]
-    theirs = np.concatenate(packets)
-    events = np.zeros(theirs.size, EVENT_DTYPE)
-    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
-        events[ours] = theirs[name]
+    decoded = np.concatenate(packets)
+    events = np.zeros(decoded.size, EVENT_DTYPE)
+    for column, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[column] = decoded[name]
     return events
 
 
@@ -55,10 +55,10 @@ def read_with_faery(path: Path) -> Events:
     with evt.Decoder(path, None, None) as decoder:
         assert (decoder.version, decoder.dimensions) == ("evt3", SIZE)
         packets = [packet["events"] for packet in decoder if "events" in packet]
-    theirs = np.concatenate([np.zeros(0, FAERY), *packets])
-    events = np.zeros(theirs.size, EVENT_DTYPE)
-    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
-        events[ours] = theirs[name]
+    decoded = np.concatenate([np.zeros(0, FAERY), *packets])
+    events = np.zeros(decoded.size, EVENT_DTYPE)
+    for column, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[column] = decoded[name]
     return events
 
 
@@ -106,8 +106,8 @@ def test_other_libraries_read_the_frames(tmp_path: Path) -> None:
     ]
     write_events(path, chunks, width=W, height=H)
     assert np.array_equal(read_with_aedat(path), random_events())
-    theirs = [packet["frame"] for packet in aedat.Decoder(path) if "frame" in packet]
-    for frame, other in zip(random_frames(), theirs, strict=True):
+    decoded = [packet["frame"] for packet in aedat.Decoder(path) if "frame" in packet]
+    for frame, other in zip(random_frames(), decoded, strict=True):
         assert (frame.start_us, frame.end_us) == (
             other["exposure_begin_t"],
             other["exposure_end_t"],

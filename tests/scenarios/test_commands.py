@@ -25,9 +25,9 @@ def test_doctor_shows_device_and_speed(
 ) -> None:
     monkeypatch.setattr(doctor, "FRAMES", 2)
     assert Doctor().execute() == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in ("Vulkan device", "per second", "mujoco", "Nothing is missing"):
-        assert words in said
+        assert words in printed
 
 
 def test_doctor_names_what_to_install(
@@ -72,9 +72,9 @@ def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
     out = tmp_path / "out"
     sweep = VelocitySweep(omegas=(2.42,), step_px=8.0, supersample=1, seeds=2, out=out)
     assert sweep.execute() == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in ("2.42", "right", "moving right, method fly, seeds: 2"):
-        assert words in said
+        assert words in printed
     assert {path.name for path in out.iterdir()} == {
         "velocities.csv",
         "grms.png",
@@ -138,7 +138,7 @@ def test_the_table_has_one_column_for_each_run(capsys: pytest.CaptureFixture[str
         }
 
     print_runs([(Path("logs/a"), summary(50.0)), (Path("logs/b"), summary(None))])
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in (
         "1,234,567",
         "mine:Own",
@@ -149,4 +149,4 @@ def test_the_table_has_one_column_for_each_run(capsys: pytest.CaptureFixture[str
         "logs/b/recording.rrd",
         "3.5 s",
     ):
-        assert words in said
+        assert words in printed

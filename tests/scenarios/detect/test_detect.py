@@ -26,7 +26,7 @@ SIZE: Any = {"width": 346, "height": 260}
 
 @pytest.fixture(scope="module")
 def events() -> Events:
-    drawn = slide(
+    rightward = slide(
         textured_box(),
         speed_px_s=400.0,
         start_px=60.0,
@@ -34,7 +34,7 @@ def events() -> Events:
         duration_us=300_000,
         background=asphalt(260, 346),
     )
-    return turned(drawn, Direction.LEFT, **SIZE)
+    return turned(rightward, Direction.LEFT, **SIZE)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_frames_of_the_file_reach_a_frame_detector(
 def test_a_truncated_file_gives_an_error_and_no_output(
     events: Events, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file = tmp_path / "cut.aedat4"
+    file = tmp_path / "truncated.aedat4"
     write_events(file, [events], **SIZE)
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     outputs: Any = {"rrd": tmp_path / "a.rrd", "plot": tmp_path / "a.png"}
@@ -126,7 +126,7 @@ def test_a_truncated_file_gives_an_error_and_no_output(
     assert captured.err.startswith("flybench: ")
     assert captured.err.count("\n") == 1
     assert str(file) in captured.err
-    assert [path.name for path in tmp_path.iterdir()] == ["cut.aedat4"]
+    assert [path.name for path in tmp_path.iterdir()] == ["truncated.aedat4"]
 
 
 @pytest.mark.parametrize(
@@ -163,11 +163,11 @@ def test_invalid_arguments_give_a_one_line_error(
 def test_a_file_without_events_is_an_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file = tmp_path / "none.npz"
+    file = tmp_path / "empty.npz"
     write_events(file, [Chunk(np.empty(0, EVENT_DTYPE))], **SIZE)
     assert execute(Detect(file, plot=tmp_path / "a.png")) == 2
-    assert "none.npz" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["none.npz"]
+    assert "empty.npz" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["empty.npz"]
 
 
 def test_for_a_rerun_recording_the_error_names_flybench_view(

@@ -37,8 +37,8 @@ def events() -> Events:
 @pytest.mark.parametrize("size", [30_000, 7_001, 64])
 def test_the_size_of_chunks_does_not_matter(events: Events, size: int) -> None:
     chunks = [Chunk(events[n : n + size]) for n in range(0, events.size, size)]
-    whole = FlyDetector()
-    expected = whole.push(events) + whole.advance(int(events["t"][-1]) + 1)
+    fly = FlyDetector()
+    expected = fly.push(events) + fly.advance(int(events["t"][-1]) + 1)
     found = slices(chunks, FlyDetector())
     assert estimates(found) == expected
     assert np.array_equal(np.concatenate([part.events for part in found]), events)

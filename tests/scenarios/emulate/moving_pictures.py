@@ -13,11 +13,11 @@ U8 = npt.NDArray[np.uint8]
 def wall(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:
     """Return a random texture, as a share of white from 0.1 to 0.9, shifted to the right."""
     rng = np.random.default_rng(0)
-    drawn = cv2.GaussianBlur(rng.normal(size=(rows, 3 * columns)).astype(np.float32), (0, 0), 3)
-    drawn = np.clip(0.5 + 0.8 * drawn / np.abs(drawn).max(), 0.1, 0.9)
+    texture = cv2.GaussianBlur(rng.normal(size=(rows, 3 * columns)).astype(np.float32), (0, 0), 3)
+    texture = np.clip(0.5 + 0.8 * texture / np.abs(texture).max(), 0.1, 0.9)
     x = np.tile(np.arange(columns, dtype=np.float32) + columns - np.float32(shift_px), (rows, 1))
     y = np.tile(np.arange(rows, dtype=np.float32)[:, None], (1, columns))
-    return np.asarray(cv2.remap(drawn.astype(np.float32), x, y, cv2.INTER_CUBIC), np.float32)
+    return np.asarray(cv2.remap(texture.astype(np.float32), x, y, cv2.INTER_CUBIC), np.float32)
 
 
 def bar(shift_px: float, *, rows: int = 130, columns: int = 173) -> F32:

@@ -122,7 +122,7 @@ def _mean_error(found: Events, true: Events) -> float:
     ("changes", "words"),
     [
         ({"input": Path("nowhere.mp4")}, "nowhere.mp4 does not exist. Allowed is a video"),
-        ({"input": Path("broken.mp4")}, "broken.mp4 is not a video that OpenCV can open"),
+        ({"input": Path("invalid.mp4")}, "invalid.mp4 is not a video that OpenCV can open"),
         ({"input": Path("empty.mp4")}, "empty.mp4 is empty"),
         ({"input": Path("still.png")}, "is a single image. .* Give the folder"),
         (
@@ -164,7 +164,7 @@ def test_invalid_input_gives_a_one_line_error(
 
 
 def _write_invalid_files(folder: Path) -> None:
-    (folder / "broken.mp4").write_bytes(b"\0\0\0\x18ftypmp42" + bytes(1000))
+    (folder / "invalid.mp4").write_bytes(b"\0\0\0\x18ftypmp42" + bytes(1000))
     (folder / "empty.mp4").touch()
     (folder / "text.npy").write_text("no array")
     np.save(folder / "flat.npy", np.zeros((5, 5)))

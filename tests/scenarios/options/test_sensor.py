@@ -79,8 +79,8 @@ def test_a_name_given_twice_is_refused() -> None:
 def test_help_explains_the_effect_of_a_bias(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         tyro.cli(Characterise, args=["--help"])
-    said = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert "Biases that are not set then have the manufacturer's values" in said
+    text = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "Biases that are not set then have the manufacturer's values" in text
 
 
 @pytest.mark.parametrize(("given", "frames"), [("dvs128", False), ("davis240", True)])
