@@ -1,4 +1,4 @@
-"""Errors that the commands raise on bad input."""
+"""Errors of the commands."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ class ScenarioError(FlybenchError):
 
 
 class OutputError(ScenarioError):
-    """Something cannot be written where it was asked to be."""
+    """An output file or folder cannot be written."""
 
 
 class MethodError(ScenarioError):
-    """A detector does not exist, or does not obey the protocol `detector.Detector`."""
+    """A detector does not exist, or does not follow the protocol `detector.Detector`."""

@@ -38,8 +38,8 @@ LAYERS = {
         "errors columns identify readers parser_process isolated_reader event_file writers"
     ),
     "scenarios": (
-        "errors options output pipeline recording runs datasheet convergence detect emulate "
-        "envelope sweep study commands cli"
+        "errors options output pipeline options.method recording runs datasheet convergence "
+        "detect emulate envelope sweep study commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

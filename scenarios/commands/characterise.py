@@ -22,8 +22,8 @@ from scenarios.datasheet.numbers import as_dict
 from scenarios.datasheet.page import page
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
-from scenarios.output.folder import check_output, whole_folder, write_summary
-from scenarios.output.terminal import progress_bar, script
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.terminal import progress_bar, run_cli
 
 LOGS = Path("logs")
 PAGE = "datasheet.html"
@@ -50,14 +50,14 @@ class Characterise:
                 f"--seed is {self.seed}; allowed is 0 to {2**32 - 1}; choose one, such as 0"
             )
         folder = self.out or LOGS / f"datasheet_{name}_seed{self.seed}"
-        check_output(folder)
+        check_output_folder(folder)
         start_s = time.perf_counter()
         with progress_bar() as progress:
             sheet = characterise(
                 config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
             )
         wall_s = time.perf_counter() - start_s
-        with whole_folder(folder) as work:
+        with atomic_folder(folder) as work:
             write_sheet(work, sheet, changes=self.sensor.changes(), wall_s=wall_s)
         print_sheet(sheet)
         print(f"{folder / PAGE}   all experiments took {wall_s:.1f} s")
@@ -115,4 +115,4 @@ def print_sheet(sheet: Datasheet) -> None:
 
 
 if __name__ == "__main__":
-    script(Characterise)
+    run_cli(Characterise)

@@ -24,9 +24,9 @@ from flybench.events import Events
 from scenarios.convergence.matching import WITHIN_US, match
 from scenarios.errors import ScenarioError
 from scenarios.options.distractors import DistractorOptions
-from scenarios.output.folder import check_output, whole_folder, write_summary
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, script
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.summary import versions
 from sim import Crossing, CrossingConfig, Lighting, VehicleKind
 from sim.render.filament import Luminance
@@ -105,7 +105,7 @@ class Converge:
                 f"--piece-px is {self.piece_px:g}; allowed is 1 to 64; 3 takes some minutes"
             )
         if self.out is not None:
-            check_output(self.out)
+            check_output_folder(self.out)
         lightings = ("day", "night") if self.lighting == "both" else (self.lighting,)
         rows = []
         with progress_bar() as progress:
@@ -118,7 +118,7 @@ class Converge:
                     advance(k + 1, len(ways))
         print_rows(rows)
         if self.out is not None:
-            with whole_folder(self.out) as work:
+            with atomic_folder(self.out) as work:
                 write_table(work / "convergence.csv", COLUMNS, rows)
                 parameters = asdict(self) | {"out": str(self.out)}
                 write_summary(
@@ -274,4 +274,4 @@ def print_rows(rows: list[tuple[Any, ...]]) -> None:
 
 
 if __name__ == "__main__":
-    script(Converge)
+    run_cli(Converge)

@@ -10,7 +10,6 @@ from typing import Annotated, Any, ClassVar, Literal
 import tyro
 from rich.console import Console
 from rich.table import Table
-from tyro.conf import UseAppendAction
 
 from detector.estimate import FrameDetector
 from scenarios.envelope.grid import BASE, LEVELS, NOISE, NOISES_HZ, SPEED, SPEEDS_PX_S, Grid
@@ -28,9 +27,10 @@ from scenarios.envelope.table import (
     range_that_holds,
 )
 from scenarios.errors import ScenarioError
-from scenarios.output.folder import check_output, whole_folder, write_summary
+from scenarios.options.method import RepeatedMethod
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, script
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.summary import versions
 from scenarios.pipeline.user_detectors import find_method
@@ -47,9 +47,8 @@ Factor = Literal["contrast", "direction", "length_px", "surface", "background"]
 class Envelope:
     """Measure where a detector is right, on drawn stimuli, and draw it as maps."""
 
-    TAKES_SEVERAL: ClassVar = frozenset({"--method"})
-    method: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME"), UseAppendAction] = ()
-    """Detector: fly, wide, or a class of your own as package.module:Class; give one or more."""
+    REPEATABLE: ClassVar = frozenset({"--method"})
+    method: RepeatedMethod = ()
     full: bool = False
     """Ten drawings of every point instead of two."""
     seeds: int | None = None
@@ -89,11 +88,11 @@ class Envelope:
         grid = self.grid()
         for name in self.methods:
             _check_method(name)
-        check_output(self.out)
+        check_output_folder(self.out)
         with progress_bar() as progress:
             advance = progress.track(f"envelope of {', '.join(self.methods)}")
             rows = measure_all(grid.points(), self.methods, jobs=self.jobs, progress=advance)
-        with whole_folder(self.out) as work:
+        with atomic_folder(self.out) as work:
             write_envelope(work, rows, grid, asdict(replace(self, method=self.methods)))
         print_envelope(rows, grid)
         print(f"wrote {self.out}")
@@ -182,4 +181,4 @@ def _file_name(method: str) -> str:
 
 
 if __name__ == "__main__":
-    script(Envelope)
+    run_cli(Envelope)

@@ -14,9 +14,10 @@ from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.folder import check_output, whole_folder, write_summary
+from scenarios.options.method import MethodNames
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, script
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.summary import versions
@@ -49,8 +50,7 @@ class Study:
     """Sun and sky, or street lamps and headlights, or one after the other."""
     omegas: tuple[float, ...] = ()
     """Angular velocities [rad/s]; the paper's four by each light where not given."""
-    methods: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = METHODS
-    """Detectors by name, or classes of your own as package.module:Class."""
+    methods: MethodNames = METHODS
     seeds: int = SEEDS
     """How many sensors see each crossing, with seeds from 0 on."""
     contrast_hop_ms: float = CONTRAST_HOP_US / 1e3
@@ -66,7 +66,7 @@ class Study:
     """How many processes; -1: one a core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
     """Folder to write; takes the place of what flybench wrote there before."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def tasks(self) -> list[SequenceTask]:
         """The crossings that the arguments ask for, without recordings.
@@ -83,7 +83,7 @@ class Study:
                 crossing,
                 methods=self.methods,
                 seeds=tuple(range(self.seeds)),
-                light=self.light,
+                cache=self.cache,
                 contrast_hop_us=round(self.contrast_hop_ms * 1e3),
             )
             for crossing in self._crossings()
@@ -95,9 +95,9 @@ class Study:
         """Run, write the folder, and print what was found."""
         start_s = time.perf_counter()
         tasks = self.tasks()
-        self.light.open()
-        check_output(self.out)
-        with whole_folder(self.out) as work:
+        self.cache.open()
+        check_output_folder(self.out)
+        with atomic_folder(self.out) as work:
             with progress_bar(_SPEED_OVER_S) as progress:
                 advance = progress.track("study")
                 tasks = self._recorded(tasks, work)
@@ -180,7 +180,7 @@ class Study:
 
     def _arguments(self) -> dict[str, Any]:
         arguments = asdict(self) | {"out": str(self.out)}
-        for name in ("light", "jobs"):  # the result does not depend on them
+        for name in ("cache", "jobs"):  # the result does not depend on them
             del arguments[name]
         return arguments
 
@@ -247,4 +247,4 @@ def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
 
 
 if __name__ == "__main__":
-    script(Study)
+    run_cli(Study)

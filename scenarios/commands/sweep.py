@@ -14,7 +14,7 @@ from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.terminal import progress_bar, script
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs, run_here, run_on_cluster
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.folder import CSV, PARQUET, check_folder
@@ -46,7 +46,7 @@ class Sweep:
     """Check the file and print its points; nothing is rendered or written."""
     parameters: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """List every parameter that a file can set, its default, and what it may be."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def execute(self) -> int:
         """Check, then run what is not finished yet, and write the table."""
@@ -61,7 +61,7 @@ class Sweep:
         folder = self.out or SWEEPS / self.file.stem
         run, plan = self._runner(), read_plan(self.file)
         check_folder(folder)
-        self.light.open()
+        self.cache.open()
         if self.dry_run:
             print_points(plan.points, finished(folder, plan.points))
             return 0
@@ -84,7 +84,7 @@ class Sweep:
                 plan,
                 folder,
                 run,
-                self.light,
+                self.cache,
                 alone=self.jobs == 1,
                 progress=bar.track(f"{name}, {len(plan.points)} points"),
             )
@@ -153,4 +153,4 @@ def _shown(value: Any) -> str:
 
 
 if __name__ == "__main__":
-    script(Sweep)
+    run_cli(Sweep)

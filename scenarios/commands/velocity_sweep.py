@@ -19,9 +19,10 @@ from rich.table import Table
 from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.folder import check_output, whole_folder, write_summary
+from scenarios.options.method import MethodName
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import Bar, progress_bar, script
+from scenarios.output.terminal import ProgressBars, progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.repeats import run_repeats
 from scenarios.pipeline.run_config import RunConfig
@@ -59,8 +60,7 @@ class VelocitySweep:
     """Angular velocities [rad/s]; the paper's four where not given."""
     direction: Literal["right", "left", "up", "down"] = "right"
     """Where the vehicle goes in the image."""
-    method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
-    """Detector: fly, wide, or a class of your own as package.module:Class."""
+    method: MethodName = FLY
     seed: int = 0
     """Seed of everything random; the same gives the same events."""
     seeds: int = 1
@@ -71,14 +71,14 @@ class VelocitySweep:
     """Drawn points per pixel along each axis."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for table and figure, in place of what flybench wrote there; nothing without."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def execute(self) -> int:
         """Run the list, print the table, and write the folder if one was asked for."""
-        configs, cache = list(self._configs()), self.light.open()
+        configs, cache = list(self._configs()), self.cache.open()
         make_detector(configs[0])
         if self.out is not None:
-            check_output(self.out)
+            check_output_folder(self.out)
         with progress_bar() as progress:
             rows = [
                 row
@@ -87,7 +87,7 @@ class VelocitySweep:
             ]
         print_rows(rows)
         if self.out is not None:
-            with whole_folder(self.out) as work:
+            with atomic_folder(self.out) as work:
                 self._write(work, rows)
             print(f"wrote {self.out}")
         return 0
@@ -114,7 +114,7 @@ class VelocitySweep:
         write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))
         draw_grms(work / "grms", rows, method=self.method)
         arguments = asdict(self) | {"out": str(self.out)}
-        del arguments["light"]  # the result does not depend on it
+        del arguments["cache"]  # the result does not depend on it
         write_summary(
             work,
             {
@@ -127,7 +127,7 @@ class VelocitySweep:
 
 
 def sweep_rows(
-    config: RunConfig, seeds: int, progress: Bar, *, cache: LuminanceCache | None = None
+    config: RunConfig, seeds: int, progress: ProgressBars, *, cache: LuminanceCache | None = None
 ) -> list[Row]:
     """Render one sequence, or have it from the cache, and show it to sensors; a row each."""
     crossing = make_crossing(config, cache)
@@ -185,4 +185,4 @@ def _line(rows: list[Row]) -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    script(VelocitySweep)
+    run_cli(VelocitySweep)

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from emulator.characterisation import Datasheet, Plot, Quantity, Section, Series
-from scenarios.output.folder import GENERATOR
+from scenarios.output.atomic_folder import GENERATOR
 
 
 def as_dict(

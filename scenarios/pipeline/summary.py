@@ -14,7 +14,7 @@ import numpy.typing as npt
 from detector.estimate import MotionEstimate
 from emulator import SensorOutput
 from flybench.events import Cause
-from scenarios.output.folder import GENERATOR
+from scenarios.output.atomic_folder import GENERATOR
 from scenarios.pipeline.registry import is_fly
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import Track, judge

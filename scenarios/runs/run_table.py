@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.folder import GENERATOR, RECORDING
+from scenarios.output.atomic_folder import GENERATOR, RECORDING
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
 

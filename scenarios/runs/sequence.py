@@ -13,12 +13,12 @@ from emulator import SensorOutput
 from formats import ENDINGS, EventWriter, open_writer
 from formats.writers.dsec import DsecWriter
 from scenarios.errors import ScenarioError
-from scenarios.output.folder import (
+from scenarios.output.atomic_folder import (
     ESTIMATES,
     EVENTS,
     RECORDING,
     TRUTH,
-    whole_folder,
+    atomic_folder,
     write_summary,
 )
 from scenarios.output.tables import (
@@ -131,7 +131,7 @@ def run_sequence(
         MissingLibraryError: a format needs a library that is not installed.
     """
     watch, drawn = Stopwatch(), cache.drawn if cache else 0
-    with whole_folder(folder) as work:
+    with atomic_folder(folder) as work:
         with watch.stage(TOTAL):
             rivals = make_rivals(config, also)
             summary = _run_into(work, config, watch, progress, cache, rivals, events_formats)

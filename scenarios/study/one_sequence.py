@@ -51,7 +51,7 @@ class SequenceTask:
         sensor: every seed's.
         methods: names of the detectors.
         seeds: of the sensors.
-        light: where rendered light is kept.
+        cache: where rendered light is kept.
         contrast_hop_us: step between the windows of contrast maximisation [µs].
         recording: file to record the first seed to; None: none.
     """
@@ -60,7 +60,7 @@ class SequenceTask:
     methods: tuple[str, ...]
     seeds: tuple[int, ...]
     sensor: SensorConfig = field(default_factory=SensorConfig)
-    light: CacheOptions = field(default_factory=CacheOptions)
+    cache: CacheOptions = field(default_factory=CacheOptions)
     contrast_hop_us: int = CONTRAST_HOP_US
     recording: Path | None = None
 
@@ -96,7 +96,7 @@ def run_one(task: SequenceTask, progress: Progress = lambda _done, _all: None) -
     cv2.setNumThreads(1)  # the other cores have sequences of their own
     _compile(task.methods, task.sensor.width, task.sensor.height, task.contrast_hop_us)
     config = task.config()
-    crossing = make_crossing(config, task.light.open())
+    crossing = make_crossing(config, task.cache.open())
     begun_us = _render_ahead(crossing, progress)
     with ExitStack() as stack:
         recorder = None

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from scenarios.errors import OutputError
-from scenarios.output.folder import SUMMARY, check_output
+from scenarios.output.atomic_folder import SUMMARY, check_output_folder
 
 LOCK, JOURNAL, COPY = "flybench-sweep.lock", "points.jsonl", "sweep.toml"
 CSV, PARQUET = "results.csv", "results.parquet"
@@ -23,7 +23,7 @@ def check_folder(folder: Path) -> None:
     Raises:
         OutputError: it exists and holds anything but a sweep, or cannot be made.
     """
-    check_output(folder, _is_a_sweeps)
+    check_output_folder(folder, _is_a_sweeps)
 
 
 def _is_a_sweeps(folder: Path) -> bool:

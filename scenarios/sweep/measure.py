@@ -38,13 +38,13 @@ class Task:
 
     Attributes:
         configs: one a point.
-        light: where rendered light is kept.
+        cache: where rendered light is kept.
         code: of the process that asks, see `code_digest`.
         alone: whether it may have the whole machine.
     """
 
     configs: tuple[RunConfig, ...]
-    light: CacheOptions = field(default_factory=CacheOptions)
+    cache: CacheOptions = field(default_factory=CacheOptions)
     code: str = ""
     alone: bool = False
 
@@ -65,11 +65,11 @@ def by_light(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
 
 
 def make_tasks(
-    configs: Iterable[RunConfig], light: CacheOptions, *, alone: bool = False
+    configs: Iterable[RunConfig], cache: CacheOptions, *, alone: bool = False
 ) -> list[Task]:
     """Cut points into tasks: first one for every light, then the further ones of each."""
     tasks = [
-        (start, Task(tuple(own[start : start + MOST_TOGETHER]), light, code_digest(), alone))
+        (start, Task(tuple(own[start : start + MOST_TOGETHER]), cache, code_digest(), alone))
         for own in by_light(configs)
         for start in range(0, len(own), MOST_TOGETHER)
     ]
@@ -95,7 +95,7 @@ def measure(task: Task) -> list[Results | Failure]:
         if not task.alone:
             _pin_threads()
         try:
-            return list(_measured(task.configs, task.light))
+            return list(_measured(task.configs, task.cache))
         except RendererError:
             raise
         except Exception as error:
@@ -104,7 +104,7 @@ def measure(task: Task) -> list[Results | Failure]:
     return [
         result
         for config in task.configs
-        for result in measure(Task((config,), task.light, task.code, task.alone))
+        for result in measure(Task((config,), task.cache, task.code, task.alone))
     ]
 
 
@@ -122,8 +122,8 @@ def _pin_threads() -> None:
     numba.set_num_threads(1)
 
 
-def _measured(configs: Sequence[RunConfig], light: CacheOptions) -> Iterable[Results]:
-    crossing = make_crossing(configs[0], light.open())
+def _measured(configs: Sequence[RunConfig], cache: CacheOptions) -> Iterable[Results]:
+    crossing = make_crossing(configs[0], cache.open())
     seen, track = run_side_by_side(configs, crossing.samples())
     return (
         _results(config, crossing, one, track) for config, one in zip(configs, seen, strict=True)

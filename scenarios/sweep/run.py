@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from scenarios.options.cache import CacheOptions
-from scenarios.output.folder import GENERATOR, SUMMARY
+from scenarios.output.atomic_folder import GENERATOR, SUMMARY
 from scenarios.pipeline.summary import versions
 from scenarios.sweep.code import code_digest, point_key
 from scenarios.sweep.folder import (
@@ -71,7 +71,7 @@ def run_sweep(
     plan: Plan,
     folder: Path,
     run: Runner,
-    light: CacheOptions | None = None,
+    cache: CacheOptions | None = None,
     *,
     alone: bool = False,
     measure: Measure = measure,
@@ -85,7 +85,7 @@ def run_sweep(
         plan: the points, and the file's text, which is copied.
         folder: where to; made, or taken up again.
         run: does the tasks.
-        light: where rendered light is kept; None: the user's folder.
+        cache: where rendered light is kept; None: the user's folder.
         alone: whether tasks run one after the other, each with the whole machine.
         measure: does one task.
         progress: told at the start, and when points are finished.
@@ -104,7 +104,7 @@ def run_sweep(
         found, left_out = len(configs) - len(missing), len(journal.done.keys() - configs.keys())
         done = found
         progress(done, len(configs))
-        tasks = make_tasks(missing, light or CacheOptions(), alone=alone)
+        tasks = make_tasks(missing, cache or CacheOptions(), alone=alone)
         reasons: dict[str, str] = {}
         for n, results in run(measure, tasks) if tasks else ():
             of_task = [missing[config] for config in tasks[n].configs]

@@ -52,7 +52,7 @@ def test_reading_and_detecting(
         with open_events(path) as file:
             for chunk in file:
                 fly.push(chunk.events)
-            return file.found.events
+            return file.statistics.events
 
     assert benchmark.pedantic(run, rounds=3) == events.size  # type: ignore[no-untyped-call]
 

@@ -36,7 +36,7 @@ from tests.digests.exact import Case
 from tests.digests.light import MODEL
 from tests.digests.sensor import drawn_light
 
-NO_LIGHT = CacheOptions(no_cache=True)
+NO_CACHE = CacheOptions(no_cache=True)
 CLOCKS = ("cpu", "wall", "ms_per_estimate", "ns_per_event")
 """What the names of columns with times of a clock contain."""
 PARAMETERS = ("crossing.", "sensor.", "fly.")
@@ -92,7 +92,7 @@ def study() -> Any:
             supersample=1,
             jobs=1,
             out=out,
-            light=NO_LIGHT,
+            cache=NO_CACHE,
         ).execute(),
         "results.csv",
         "figures/day.png",
@@ -106,7 +106,7 @@ def sweep() -> Any:
         file = Path(folder) / "small.toml"
         file.write_text(SWEEP, encoding="utf-8")
         return written(
-            lambda out: Sweep(file, out=out, jobs=2, light=NO_LIGHT).execute(), "results.csv"
+            lambda out: Sweep(file, out=out, jobs=2, cache=NO_CACHE).execute(), "results.csv"
         )
 
 
@@ -114,7 +114,7 @@ def run() -> Any:
     """Truth and estimates of a single run."""
     return written(
         lambda out: Run(
-            omega=2.3, step_px=8, supersample=1, seed=7, out=out, light=NO_LIGHT
+            omega=2.3, step_px=8, supersample=1, seed=7, out=out, cache=NO_CACHE
         ).execute(),
         "truth.csv",
         "estimates.csv",
@@ -131,7 +131,7 @@ def velocity_sweep() -> Any:
             step_px=8.0,
             supersample=1,
             out=out,
-            light=NO_LIGHT,
+            cache=NO_CACHE,
         ).execute(),
         "velocities.csv",
     )

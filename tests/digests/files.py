@@ -10,7 +10,7 @@ from typing import Any
 from formats import ENDINGS, Chunk, open_events, write_events
 from tests.digests.detectors import HEIGHT, WIDTH, stream
 from tests.digests.exact import Case
-from tests.formats.samples import MAKERS, make, some_events
+from tests.formats.sample_files import FILE_MAKERS, make_file, random_events
 
 
 def round_trip(ending: str) -> Any:
@@ -21,19 +21,19 @@ def round_trip(ending: str) -> Any:
         write_events(path, chunks, width=WIDTH, height=HEIGHT)
         with open_events(path) as file:
             read = list(file)
-            return read, file.found, file.format, file.width, file.height, file.origin_us
+            return read, file.statistics, file.format, file.width, file.height, file.origin_us
 
 
 def of_others(name: str) -> Any:
     """The same of a file in a format of another program."""
     with (
         TemporaryDirectory() as folder,
-        open_events(make(Path(folder), name, some_events())) as file,
+        open_events(make_file(Path(folder), name, random_events())) as file,
     ):
         read = list(file)
-        return read, file.found, file.format, file.width, file.height, file.origin_us
+        return read, file.statistics, file.format, file.width, file.height, file.origin_us
 
 
 CASES: dict[str, Case] = {
     f"files.round_trip{ending}": Case(partial(round_trip, ending)) for ending in ENDINGS
-} | {f"files.of_others.{name}": Case(partial(of_others, name)) for name in MAKERS}
+} | {f"files.of_others.{name}": Case(partial(of_others, name)) for name in FILE_MAKERS}

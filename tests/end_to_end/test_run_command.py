@@ -152,5 +152,5 @@ def test_a_folder_not_written_by_flybench_is_not_changed(tmp_path: Path) -> None
     (tmp_path / "thesis.txt").write_text("mine")
     done = flybench("run", *COARSE, "--out", str(tmp_path))
     assert done.returncode == 2
-    assert "was not written by flybench" in done.stderr
+    assert "were not written by flybench" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]

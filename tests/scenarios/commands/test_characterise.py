@@ -27,7 +27,7 @@ from scenarios.datasheet.figures import draw_svg
 from scenarios.datasheet.numbers import as_dict
 from scenarios.datasheet.page import page
 from scenarios.options.sensor import SensorOptions
-from scenarios.output.folder import SUMMARY
+from scenarios.output.atomic_folder import SUMMARY
 from scenarios.output.terminal import execute
 
 X = np.array([1.0, 10.0, 100.0])

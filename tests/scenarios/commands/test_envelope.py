@@ -72,7 +72,7 @@ def test_an_envelope_replaces_an_earlier_one_and_nothing_else(ran: tuple[Path, s
     assert again.execute() == 0
     assert not (folder / "wide.png").exists()
     (folder / "mine.txt").write_text("mine")
-    with pytest.raises(OutputError, match="was not written by flybench"):
+    with pytest.raises(OutputError, match="were not written by flybench"):
         Envelope(out=folder).execute()
 
 

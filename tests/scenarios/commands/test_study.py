@@ -27,8 +27,8 @@ TINY = Study(
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("study") / "out"
-    light = CacheOptions(cache=out.parent / "cache")
-    assert replace(TINY, out=out, light=light).execute() == 0
+    cache = CacheOptions(cache=out.parent / "cache")
+    assert replace(TINY, out=out, cache=cache).execute() == 0
     return out
 
 
@@ -66,7 +66,7 @@ def test_the_summary_tells_what_was_done_and_found(folder: Path) -> None:
 def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
     cache = folder.parent / "cache"
     kept = {path.name: path.stat().st_ino for path in cache.glob("*.light")}
-    tasks = replace(TINY, light=CacheOptions(cache=cache)).tasks()
+    tasks = replace(TINY, cache=CacheOptions(cache=cache)).tasks()
     again = study_rows(run_all(tasks, jobs=1))
     assert kept == {path.name: path.stat().st_ino for path in cache.glob("*.light")} != {}
     with (folder / "results.csv").open(newline="") as file:
@@ -102,7 +102,7 @@ def test_bad_arguments_are_refused_before_anything_is_drawn(
 
 def test_somebody_elses_folder_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(ScenarioError, match="was not written by flybench"):
+    with pytest.raises(ScenarioError, match="were not written by flybench"):
         replace(TINY, out=tmp_path).execute()
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 

@@ -86,10 +86,10 @@ def test_what_is_wrong_is_said_before_anything_is_written(file: Path, tmp_path: 
         Sweep(file, out=out, jobs=0).execute()
     with pytest.raises(ScenarioError, match="--jobs is 2 and --dask is tcp://x; allowed is one"):
         Sweep(file, out=out, jobs=2, dask="tcp://x").execute()
-    light = CacheOptions(cache=tmp_path, no_cache=True)
+    cache = CacheOptions(cache=tmp_path, no_cache=True)
     with pytest.raises(ScenarioError, match="--no-cache is given too"):
-        Sweep(file, out=out, light=light).execute()
-    with pytest.raises(OutputError, match="holds what was not written by flybench"):
+        Sweep(file, out=out, cache=cache).execute()
+    with pytest.raises(OutputError, match="were not written by flybench"):
         Sweep(file, out=tmp_path).execute()
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
 

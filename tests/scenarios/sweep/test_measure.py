@@ -27,17 +27,17 @@ CONFIGS = (
 
 
 @pytest.fixture(scope="module")
-def light(tmp_path_factory: pytest.TempPathFactory) -> CacheOptions:
+def cache(tmp_path_factory: pytest.TempPathFactory) -> CacheOptions:
     return CacheOptions(cache=tmp_path_factory.mktemp("light"))
 
 
-def task(*configs: RunConfig, light: CacheOptions) -> Task:
-    return Task(configs, light, code_digest(), alone=True)
+def task(*configs: RunConfig, cache: CacheOptions) -> Task:
+    return Task(configs, cache, code_digest(), alone=True)
 
 
-def alone(config: RunConfig, light: CacheOptions) -> Results:
+def alone(config: RunConfig, cache: CacheOptions) -> Results:
     """As `flybench run` does it."""
-    crossing, detector = make_crossing(config, light.open()), make_detector(config)
+    crossing, detector = make_crossing(config, cache.open()), make_detector(config)
     tally, track, said = EventTally(), Track(), []
     for step in run_steps(config, crossing, detector, Stopwatch()):
         tally.add(step.output)
@@ -48,26 +48,26 @@ def alone(config: RunConfig, light: CacheOptions) -> Results:
     return dict(flat({"truth": truth, "events": tally.summary(), "detector": judged}))
 
 
-def test_every_point_is_as_it_would_be_alone(light: CacheOptions) -> None:
-    together = measure(task(*CONFIGS, light=light))
-    assert together == [alone(config, light) for config in CONFIGS]
+def test_every_point_is_as_it_would_be_alone(cache: CacheOptions) -> None:
+    together = measure(task(*CONFIGS, cache=cache))
+    assert together == [alone(config, cache) for config in CONFIGS]
     counts = [result["events.count"] for result in together if not isinstance(result, Failure)]
     assert counts[0] == counts[2]
     assert len(set(counts)) == 3
     assert together[0]["detector.direction"] == "right"  # type: ignore[index]
 
 
-def test_what_fails_fails_alone(light: CacheOptions) -> None:
+def test_what_fails_fails_alone(cache: CacheOptions) -> None:
     bee = replace(FLY, method="tests.scenarios.sweep.cheap:Bee", fly=None)
-    good, bad = measure(task(FLY, bee, light=light))
-    assert good == measure(task(FLY, light=light))[0]
+    good, bad = measure(task(FLY, bee, cache=cache))
+    assert good == measure(task(FLY, cache=cache))[0]
     assert isinstance(bad, Failure)
     assert bad.reason.startswith("RuntimeError: no nectar (cheap.py, line ")
 
 
-def test_other_code_is_refused(light: CacheOptions) -> None:
+def test_other_code_is_refused(cache: CacheOptions) -> None:
     with pytest.raises(ScenarioError, match=r"runs another version of flybench .* start anew"):
-        measure(Task((FLY,), light, code="of last year"))
+        measure(Task((FLY,), cache, code="of last year"))
 
 
 def test_tasks_share_light_and_begin_with_one_of_each() -> None:

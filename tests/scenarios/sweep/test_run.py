@@ -157,6 +157,6 @@ def test_a_folder_that_is_not_a_sweeps_is_left_alone(
     name: str, whole: tuple[Path, Path], tmp_path: Path
 ) -> None:
     (tmp_path / name).write_text("mine")
-    with pytest.raises(OutputError, match="was not written by flybench"):
+    with pytest.raises(OutputError, match="were not written by flybench"):
         sweep_alone(whole[0], tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [name]

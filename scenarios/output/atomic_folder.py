@@ -1,4 +1,4 @@
-"""A folder that is whole or absent: written under another name, then moved into place."""
+"""Write a folder atomically: under a temporary name that replaces the final one at the end."""
 
 from __future__ import annotations
 
@@ -18,56 +18,56 @@ TRUTH = "truth.csv"
 ESTIMATES = "estimates.csv"
 SUMMARY = "summary.json"
 FILES = frozenset({RECORDING, EVENTS, TRUTH, ESTIMATES, SUMMARY})
-"""All that a run writes; other commands list what they wrote in the summary, under "files"."""
+"""Files of a run. Other commands list their files in the summary under "files"."""
 GENERATOR = "flybench"
 
 
-def check_output(folder: Path, is_ours: Callable[[Path], bool] | None = None) -> None:
-    """Refuse an output folder that is somebody else's, before any work is done.
+def check_output_folder(folder: Path, may_replace: Callable[[Path], bool] | None = None) -> None:
+    """Check that an output folder can be written, before any work is done.
 
     Args:
-        folder: to be written.
-        is_ours: whether what is in a folder may be replaced; None: an earlier run's may.
+        folder: path of the folder.
+        may_replace: function that returns True if an existing folder may be replaced; None: allow
+            empty folders and folders with nothing but the output of a flybench command.
 
     Raises:
-        OutputError: it exists and holds anything but an earlier run, or cannot be made.
+        OutputError: the folder may not be replaced, or cannot be created.
     """
     folder = folder.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise OutputError(
-            f"the output folder {folder} is the one that you are in, or holds it; allowed is a "
-            "folder of its own, which can be replaced whole; choose one with --out"
+            f"The output folder {folder} contains the current folder. Allowed is a separate folder "
+            "that can be replaced as a whole. Choose one with --out."
         )
     parent = _nearest_existing(folder)
     if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
         raise OutputError(
-            f"the output folder {folder} cannot be made, since {parent} cannot be written to; "
-            "choose another with --out"
+            f"The output folder {folder} cannot be created: {parent} is write-protected or not a "
+            "folder. Choose another with --out."
         )
-    if folder.exists() and not (is_ours or _is_ours)(folder):
+    if folder.exists() and not (may_replace or _is_output)(folder):
         raise OutputError(
-            f"the output folder {folder} exists and holds what was not written by flybench; "
-            "allowed is a new folder, an empty one or one of an earlier run; choose another with "
-            "--out"
+            f"The output folder {folder} contains files that were not written by flybench. Allowed "
+            "is a new folder, an empty one or one of an earlier run. Choose another with --out."
         )
 
 
 @contextmanager
-def whole_folder(folder: Path) -> Iterator[Path]:
-    """Give a temporary folder to fill; it takes `folder`'s place only where nothing failed.
+def atomic_folder(folder: Path) -> Iterator[Path]:
+    """Yield a temporary folder to fill; it replaces `folder` if the block raises no error.
 
     Raises:
-        OutputError: as `check_output` does.
+        OutputError: the folder may not be replaced, or cannot be created.
     """
-    check_output(folder)
+    check_output_folder(folder)
     folder = folder.resolve()
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         holder = tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent)
     except OSError as error:
         raise OutputError(
-            f"the output folder {folder} cannot be made ({error.strerror}); choose another with "
-            "--out"
+            f"The output folder {folder} cannot be created ({error.strerror}). Choose another with "
+            "--out."
         ) from error
     with holder as scratch:
         work = Path(scratch) / "new"
@@ -77,27 +77,32 @@ def whole_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_summary(work: Path, summary: dict[str, Any]) -> None:
-    """Write `summary.json` into a folder that holds all else, with a list of what is in it."""
+    """Write `summary.json`, with a list of all files in the folder; call this last.
+
+    Args:
+        work: the folder.
+        summary: content of the file, besides the program's name and the list.
+    """
     files = sorted({path.name for path in work.iterdir()} | {SUMMARY})
     text = json.dumps({"generator": GENERATOR} | summary | {"files": files}, indent=2)
     (work / SUMMARY).write_text(text + "\n", encoding="utf-8")
 
 
 def _replace(folder: Path, work: Path, aside: Path) -> None:
-    """Put `work` in `folder`'s place; what was there goes aside, and comes back on a failure."""
-    had_one = folder.exists()
-    if had_one:
+    """Rename `work` to `folder`; an existing folder moves to `aside`, and back on an error."""
+    existed = folder.exists()
+    if existed:
         folder.rename(aside)
     try:
         work.rename(folder)
     except BaseException:
-        if had_one:
+        if existed:
             aside.rename(folder)
         raise
 
 
-def _is_ours(folder: Path) -> bool:
-    """Whether a folder is empty, or holds what a command wrote and nothing else."""
+def _is_output(folder: Path) -> bool:
+    """Return True if a folder is empty, or contains nothing but the output of a command."""
     try:
         names = {path.name for path in folder.iterdir()}
         if not names:

@@ -1,4 +1,4 @@
-"""Small recordings in every format that can be read, made by others where others can."""
+"""Small recordings in every format, written by other libraries where these can write them."""
 
 import struct
 from collections.abc import Callable
@@ -14,8 +14,8 @@ from formats import open_writer
 SIZE = (346, 260)
 
 
-def some_events(count: int = 300, *, last_us: int = 99_999, seed: int = 0) -> Events:
-    """Events all over a DAVIS346."""
+def random_events(count: int = 300, *, last_us: int = 99_999, seed: int = 0) -> Events:
+    """Return random events, spread over the sensor of a DAVIS346."""
     rng = np.random.default_rng(seed)
     events = np.zeros(count, EVENT_DTYPE)
     events["t"] = np.sort(rng.integers(0, last_us + 1, count))
@@ -25,8 +25,8 @@ def some_events(count: int = 300, *, last_us: int = 99_999, seed: int = 0) -> Ev
     return events
 
 
-def some_frames(count: int = 3) -> list[ApsFrame]:
-    """Frames of noise, 25 ms apart."""
+def random_frames(count: int = 3) -> list[ApsFrame]:
+    """Return frames of white noise, 25 ms apart."""
     rng = np.random.default_rng(1)
     return [
         ApsFrame(
@@ -38,11 +38,11 @@ def some_frames(count: int = 3) -> list[ApsFrame]:
     ]
 
 
-def _ours(path: Path, events: Events) -> None:
+def _with_flybench(path: Path, events: Events) -> None:
     with open_writer(path, width=SIZE[0], height=SIZE[1]) as writer:
         writer.write(events)
         if writer.takes_frames:
-            for frame in some_frames():
+            for frame in random_frames():
                 writer.write_frame(frame)
 
 
@@ -68,12 +68,14 @@ def _dat(path: Path, events: Events) -> None:
 def _es(path: Path, events: Events) -> None:
     from faery.extension import es
 
-    theirs = np.zeros(events.size, [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
+    converted = np.zeros(
+        events.size, [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")]
+    )
     for name in "txp":
-        theirs[name] = events[name]
-    theirs["y"] = SIZE[1] - 1 - events["y"]
+        converted[name] = events[name]
+    converted["y"] = SIZE[1] - 1 - events["y"]
     with es.Encoder(path, "dvs", False, SIZE) as encoder:
-        encoder.write(theirs)
+        encoder.write(converted)
 
 
 def _evt21(path: Path, events: Events) -> None:
@@ -92,7 +94,7 @@ def _aedat2(path: Path, events: Events) -> None:
     records["t"][:-2], records["t"][-2:] = events["t"], events["t"][-1:].repeat(2)
     x, y = SIZE[0] - 1 - events["x"].astype(np.int64), SIZE[1] - 1 - events["y"].astype(np.int64)
     records["address"][:-2] = y << 22 | x << 12 | events["p"].astype(np.int64) << 11
-    records["address"][-2:] = 0x8000_0123, 0x0000_0400  # a sample of a frame, a special event
+    records["address"][-2:] = 0x8000_0123, 0x0000_0400  # a frame sample and a special event
     header = b"#!AER-DAT2.0\r\n# AEChip: eu.seebetter.ini.chips.davis.Davis346blue\r\n"
     path.write_bytes(header + records.tobytes())
 
@@ -114,13 +116,13 @@ def _npy(path: Path, events: Events) -> None:
     np.save(path, events)
 
 
-MAKERS: dict[str, Callable[[Path, Events], None]] = {
-    "a.aedat4": _ours,
-    "a.h5": _ours,
-    "evt3.raw": _ours,
-    "a.txt": _ours,
-    "a.csv": _ours,
-    "a.npz": _ours,
+FILE_MAKERS: dict[str, Callable[[Path, Events], None]] = {
+    "a.aedat4": _with_flybench,
+    "a.h5": _with_flybench,
+    "evt3.raw": _with_flybench,
+    "a.txt": _with_flybench,
+    "a.csv": _with_flybench,
+    "a.npz": _with_flybench,
     "evt2.raw": _evt2,
     "a.dat": _dat,
     "evt21.raw": _evt21,
@@ -129,19 +131,19 @@ MAKERS: dict[str, Callable[[Path, Events], None]] = {
     "caer.aedat": _aedat3,
     "a.npy": _npy,
 }
-"""What makes a file of that name; its stem tells the format where the ending does not."""
+"""Function that writes a file, by its name; the stem names the format if the ending does not."""
 
 
-def make(folder: Path, name: str, events: Events) -> Path:
-    """The file `name` in `folder`."""
+def make_file(folder: Path, name: str, events: Events) -> Path:
+    """Write the events to the file `name` in `folder` and return its path."""
     path = folder / name
-    MAKERS[name](path, events)
+    FILE_MAKERS[name](path, events)
     return path
 
 
-def hdf5(path: Path, **things: object) -> Path:
-    """An HDF5 file with these data sets, `/` being `__` in their names."""
+def make_hdf5(path: Path, **data_sets: object) -> Path:
+    """Write an HDF5 file with these data sets; `__` in a name stands for `/`."""
     with h5py.File(path, "w") as file:
-        for name, values in things.items():
+        for name, values in data_sets.items():
             file[name.replace("__", "/")] = values
     return path
