@@ -43,8 +43,7 @@ class Characterise:
     seed: int = 0
     """Random seed, from 0 to 4294967295. The same seed gives the same figures."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Output folder. Replaces an earlier output of flybench. Default: a descriptive name under
-    logs/."""
+    """Output folder; replaces an earlier output. Default: a descriptive name under logs/."""
 
     def execute(self) -> int:
         """Run all experiments, write the folder and print the figures."""

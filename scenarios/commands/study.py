@@ -39,6 +39,10 @@ TABLE, REPORT, RECORDINGS, FIGURES = "results.csv", "report.html", "recordings",
 _SPEED_OVER_S = 600.0
 """Time over which the progress bar averages the speed: rendering is much slower than reading from
 the cache, so a short average would give a wrong remaining time [s]."""
+_HOP_HELP = (
+    "Time between the windows of contrast maximisation [ms]. It must divide their length. 10 ms, "
+    "the step of the fly, costs four times as much CPU time."
+)
 _SEEDS = Range(1, MOST_SEEDS, remedy="Use at least five to estimate the variability.")
 
 
@@ -47,18 +51,14 @@ class Study:
     """Run the paper's crossings with all methods, and test the paper's claims on the results."""
 
     lighting: Literal["day", "night", "both"] = "both"
-    """Lighting of the scene: day (sun and sky), night (street lamps and headlights), or both in
-    turn."""
+    """Lighting: day (sun and sky), night (street lamps and headlights), or both in turn."""
     omegas: tuple[float, ...] = ()
-    """Angular velocities at closest approach [rad/s]. Default: the paper's four for each
-    lighting."""
+    """Angular velocities at closest approach [rad/s]. Default: the paper's for the lighting."""
     methods: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = METHODS
     """Detectors to compare, by name, or classes of your own as package.module:Class."""
     seeds: int = SEEDS
     """Number of sensors that see each crossing, from 1 to 100. Their seeds count from 0."""
-    contrast_hop_ms: float = CONTRAST_HOP_US / 1e3
-    """Time between the windows of contrast maximisation [ms]; it must divide their length. 10 ms,
-    the step of the fly, costs four times as much CPU time."""
+    contrast_hop_ms: Annotated[float, tyro.conf.arg(help=_HOP_HELP)] = CONTRAST_HOP_US / 1e3
     recordings: bool = True
     """Write a Rerun recording of each crossing, with the sensor of the first seed."""
     step_px: float = CrossingConfig.step_px

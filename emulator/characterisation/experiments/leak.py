@@ -37,6 +37,8 @@ CELSIUS = np.array([15.0, 25.0, 35.0, 45.0, 55.0, 65.0])
 """Temperatures from a cool room to a hot housing (assumed) [°C]."""
 
 Floats = npt.NDArray[np.float64]
+Line = tuple[float | None, float | None]
+"""Leak in the dark [Hz] and what each lux adds [Hz/lux]; None if unknown."""
 
 
 def measure_leak(config: SensorConfig, *, chip_lux: float, seed: int) -> StaticFit:
@@ -47,7 +49,7 @@ def measure_leak(config: SensorConfig, *, chip_lux: float, seed: int) -> StaticF
     return fit_static(recording.events, width=SIDE_PX, height=SIDE_PX, end_us=recording.duration_us)
 
 
-def leak_line(chip_lux: Floats, leak_hz: npt.ArrayLike) -> tuple[float | None, float | None]:
+def leak_line(chip_lux: Floats, leak_hz: npt.ArrayLike) -> Line:
     """Fit a line to the leak: in the dark [Hz], and added by each lux [Hz/lux].
 
     Args:
@@ -86,42 +88,36 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     lux = log_spaced(3.0, 1e4, 2)
     fits = [measure_leak(config, chip_lux=float(x), seed=seed) for x in lux]
     rates = nan_for_none([fit.leak_hz for fit in fits])
-    dark_hz, slope = leak_line(lux, rates)
-    warm = [
+    line = leak_line(lux, rates)
+    by_celsius = [
         measure_leak(replace(config, temperature_c=c), chip_lux=WARM_LUX, seed=seed).leak_hz
         for c in CELSIUS
     ]
-    spread = nan_for_none([fit.relative_mismatch for fit in fits])
-    relative = float(np.nanmedian(spread)) if np.isfinite(spread).any() else None
+    warm = nan_for_none(by_celsius)
     return Section(
         "Leak",
         f"{SIDE_PX}×{SIDE_PX} pixels see a static scene for {DURATION_S:g} s. The leak events of a "
         "pixel come at equal intervals, which separates them from shot noise. The rate is that of "
         "a pixel with the mean threshold, without shot noise. Illuminance varies at "
         f"{config.temperature_c:g} °C, temperature at {lux_label(WARM_LUX)} on the chip.",
-        [
-            Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
-            Quantity(
-                "leak added by light on the chip",
-                "Hz/klux",
-                None if slope is None else 1e3 * slope,
-                sources.LEAK_HZ_PER_KLUX,
-            ),
-            Quantity(
-                "warming that doubles the leak",
-                "K",
-                doubling_k(CELSIUS, nan_for_none(warm)),
-                sources.LEAK_DOUBLING_K,
-            ),
-            Quantity(
-                "standard deviation over pixels, relative",
-                "%",
-                None if relative is None else 100.0 * relative,
-                note="equal to the mismatch of the ON threshold over the threshold",
-            ),
-        ],
-        [_lux_plot(lux, rates, dark_hz, slope), _temperature_plot(nan_for_none(warm))],
+        _quantities(line, warm, fits),
+        [_lux_plot(lux, rates, line), _temperature_plot(warm)],
     )
+
+
+def _quantities(line: Line, warm: list[float], fits: list[StaticFit]) -> list[Quantity]:
+    dark_hz, slope = line
+    per_klux = None if slope is None else 1e3 * slope
+    mismatch = nan_for_none([fit.relative_mismatch for fit in fits])
+    percent = 100.0 * float(np.nanmedian(mismatch)) if np.isfinite(mismatch).any() else None
+    doubling = doubling_k(CELSIUS, warm)
+    note = "equal to the mismatch of the ON threshold over the threshold"
+    return [
+        Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
+        Quantity("leak added by light on the chip", "Hz/klux", per_klux, sources.LEAK_HZ_PER_KLUX),
+        Quantity("warming that doubles the leak", "K", doubling, sources.LEAK_DOUBLING_K),
+        Quantity("standard deviation over pixels, relative", "%", percent, note=note),
+    ]
 
 
 def _lux_plot(lux: Floats, rates: list[float], dark_hz: float | None, slope: float | None) -> Plot:

@@ -21,7 +21,7 @@ from scenarios.study.rows import Row
 from scenarios.study.statistics import distinct, interval_of, select
 
 AFTER = "accuracy_after_100ms"
-LOST, SEEN = 0.5, 0.5
+LOST, WORKS = 0.5, 0.5
 """Motion detection is "largely lost" at night if fewer than half of the steps are correct. It works
 by day if at least half are."""
 OVERLAP = 0.5
@@ -74,14 +74,14 @@ def frames_fail_by_night(rows: Sequence[Row]) -> Claim:
             " With our floor on its signal-to-noise ratio, it is correct in "
             f"{format_interval(floor, '%')} at night."
         )
-    lost, seen = night.mean < LOST, day.mean >= SEEN
+    lost, works = night.mean < LOST, day.mean >= WORKS
     part: Verdict = "holds in part" if lost or night.high < day.low else "does not hold"
-    return Claim(statement, where, "holds" if lost and seen else part, evidence)
+    return Claim(statement, where, "holds" if lost and works else part, evidence)
 
 
 def fly_holds_by_night(rows: Sequence[Row]) -> Claim:
     """Test Section III: the proposed model at night."""
-    statement = "at night the event-driven fly still responds stably"
+    statement = "at night the event-driven fly continues to respond stably"
     return _is_reliable(rows, NIGHT, statement, "Section III, Fig. EX2 A")
 
 

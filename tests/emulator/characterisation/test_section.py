@@ -19,6 +19,6 @@ def test_the_difference_is_relative() -> None:
 
 
 def test_nan_in_a_series_is_a_gap() -> None:
-    made = series("a", [1, 2], [3.0, np.nan])
-    assert made.y.dtype == np.float64
-    assert np.isnan(made.y).tolist() == [False, True]
+    gapped = series("a", [1, 2], [3.0, np.nan])
+    assert gapped.y.dtype == np.float64
+    assert np.isnan(gapped.y).tolist() == [False, True]

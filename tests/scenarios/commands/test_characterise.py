@@ -33,7 +33,7 @@ from scenarios.output.terminal import execute
 X = np.array([1.0, 10.0, 100.0])
 PLOT = Plot(
     "A & B < C",
-    "light [lux]",
+    "illuminance [lux]",
     "rate [Hz]",
     [
         series("measured", X, [1.0, np.nan, 3.0], Style.LINE, 0),
@@ -49,7 +49,7 @@ SECTION = Section(
     "Light <on> a card.",
     [
         Quantity("rate", "Hz", 3.3, Published(3.0, "Somebody 1999"), "a note"),
-        Quantity("not seen", "Hz", None),
+        Quantity("not measured", "Hz", None),
     ],
     [PLOT],
 )
@@ -202,15 +202,15 @@ def test_figures_are_reproducible_svg() -> None:
     root = ElementTree.fromstring(text)
     assert root.tag.endswith("svg")
     words = "".join(root.itertext())
-    for label in ("A & B < C", "light [lux]", "published"):
+    for label in ("A & B < C", "illuminance [lux]", "published"):
         assert label in words
     assert draw_svg(PLOT) == text
     assert not re.search(r"\d{4}-\d\d-\d\d", text)
 
 
 def test_the_json_numbers_are_finite() -> None:
-    made = datasheet_dict(SHEET, changes={"preset": "davis346"}, versions={"numpy": "2"})
-    text = json.dumps(made, allow_nan=False)
+    exported = datasheet_dict(SHEET, changes={"preset": "davis346"}, versions={"numpy": "2"})
+    text = json.dumps(exported, allow_nan=False)
     one = json.loads(text)["sections"]["one"]
     assert one["plots"][0]["series"][0]["y"] == [1.0, None, 3.0]
     assert one["figures"][0]["difference"] == pytest.approx(0.1)

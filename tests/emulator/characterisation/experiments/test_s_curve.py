@@ -91,5 +91,5 @@ def test_section_of_the_default_sensor() -> None:
         assert abs(found[name].difference or 1.0) < 0.03
     dark = found["dark current as illuminance on the chip"]
     assert dark.measured == pytest.approx(0.01, rel=0.4)
-    drawn = {series.label for series in section.plots[0].series}
-    assert len(drawn - {""}) == len(SCENE_LUX)
+    labels = {series.label for series in section.plots[0].series}
+    assert len(labels - {""}) == len(SCENE_LUX)

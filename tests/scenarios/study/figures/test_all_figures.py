@@ -13,7 +13,8 @@ from scenarios.study.results import SequenceResult
 from tests.scenarios.study.synthetic_results import make_run, make_sequence, make_snapshot
 
 ALL = [
-    make_sequence(light, omega) for light, omega in (("night", 1.42), ("day", 1.21), ("day", 1.61))
+    make_sequence(lighting, omega)
+    for lighting, omega in (("night", 1.42), ("day", 1.21), ("day", 1.61))
 ]
 DRAW = (draw_condition, draw_comparison, draw_truth)
 
