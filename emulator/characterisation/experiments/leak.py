@@ -120,7 +120,8 @@ def _quantities(line: Line, warm: list[float], fits: list[StaticFit]) -> list[Qu
     ]
 
 
-def _lux_plot(lux: Floats, rates: list[float], dark_hz: float | None, slope: float | None) -> Plot:
+def _lux_plot(lux: Floats, rates: list[float], line: Line) -> Plot:
+    dark_hz, slope = line
     lines = [series("measured", lux, rates, Style.POINTS, 0)]
     if dark_hz is not None and slope is not None:
         x = np.geomspace(lux[0], lux[-1], 100)
