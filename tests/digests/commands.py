@@ -26,7 +26,7 @@ from scenarios.commands.run import Run
 from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
 from scenarios.commands.velocity_sweep import VelocitySweep
-from scenarios.datasheet.numbers import as_dict
+from scenarios.datasheet.json_export import as_dict
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.event_camera import EventCamera
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, WIDE

@@ -1,4 +1,4 @@
-"""The numbers of a data sheet as people read them."""
+"""The numbers of a data sheet as text."""
 
 from __future__ import annotations
 
@@ -7,28 +7,34 @@ import re
 from emulator.characterisation import Datasheet, Quantity
 
 NOT_MEASURED = "–"
-ANOTHER = "*"
-"""Marks what was published for another sensor."""
+OTHER_SENSOR_MARK = "*"
+"""Mark of figures that were published for another sensor."""
 
 
 def measured(quantity: Quantity) -> str:
-    """Measured value with its unit."""
+    """Format the measured value with its unit."""
     return with_unit(quantity.measured, quantity.unit)
 
 
 def published(quantity: Quantity) -> str:
-    """Published value with its unit, marked if it is another sensor's; empty without one."""
+    """Format the published value with its unit, and a mark if it belongs to another sensor.
+
+    Returns:
+        The text; empty if nothing is published.
+    """
     known = quantity.published
     if known is None:
         return ""
-    mark = f" {ANOTHER}" if known.another_sensor else ""
+    mark = f" {OTHER_SENSOR_MARK}" if known.another_sensor else ""
     return with_unit(known.value, quantity.unit) + mark
 
 
 def difference(quantity: Quantity) -> str:
-    """Measured less published: in dB for dB, else as a share, and as a factor where it is large.
+    """Format the difference between the measured and the published value.
 
-    Where 0 was published there is no share, and the difference stands in the unit.
+    Returns:
+        A difference in dB for a quantity in dB; otherwise a percentage, or a factor from 2 on. If
+        0 was published, the measured value in its unit. Empty if either value is missing.
     """
     if quantity.measured is None or quantity.published is None:
         return ""
@@ -44,35 +50,36 @@ def difference(quantity: Quantity) -> str:
 
 
 def footnote(sheet: Datasheet) -> str:
-    """What the mark means, where the sheet has it; otherwise nothing."""
+    """Return the explanation of the mark; empty if no figure of the sheet is marked."""
     quantities = [quantity for part in sheet.sections.values() for quantity in part.quantities]
     if not any(x.published is not None and x.published.another_sensor for x in quantities):
         return ""
     return (
-        f"{ANOTHER} published for another sensor than the one measured here: the difference is "
-        "that of two sensors, and tells nothing of how true the emulator is."
+        f"{OTHER_SENSOR_MARK} published for another sensor than the one measured here. The "
+        "difference is one between two sensors, and says nothing about the accuracy of the "
+        "emulator."
     )
 
 
 def source(quantity: Quantity) -> str:
-    """Where the published value comes from."""
+    """Return the source of the published value; empty if nothing is published."""
     return "" if quantity.published is None else quantity.published.source
 
 
 def short_source(quantity: Quantity) -> str:
-    """Who published it, without where."""
+    """Return the author of the published value, without the publication."""
     return re.split("[,;:]", source(quantity))[0]
 
 
 def with_unit(value: float | None, unit: str) -> str:
-    """Three digits and the unit."""
+    """Format a value to three digits with its unit."""
     if value is None:
         return NOT_MEASURED
     return f"{three_digits(value)} {unit}".strip()
 
 
 def three_digits(value: float) -> str:
-    """Three digits, without an exponent where that can be read."""
+    """Format a value to three digits, with an exponent only if it is very small or very large."""
     if value == 0.0:
         return "0"
     if not 1e-3 <= abs(value) < 1e6:
@@ -85,6 +92,6 @@ def three_digits(value: float) -> str:
 
 
 def _signed(value: float) -> str:
-    """One decimal, with a sign unless it is zero."""
+    """Format a value to one decimal, with a sign unless it is zero."""
     text = f"{value:+.1f}".replace("-", "−")
     return "0.0" if text in {"+0.0", "−0.0"} else text

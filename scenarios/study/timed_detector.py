@@ -1,4 +1,4 @@
-"""One method that watches one sensor: what it said, and the CPU time that it took."""
+"""A detector on the output of one sensor, with its estimates and its CPU time."""
 
 from __future__ import annotations
 
@@ -18,32 +18,33 @@ from scenarios.pipeline.registry import CONTRAST, DETECTORS
 from scenarios.pipeline.user_detectors import find_method
 
 CHUNK_US = 10_000
-"""What every detector is handed at once: the events of one hop of the fly's."""
+"""Duration of the events that a detector gets in one call: one hop of the fly [µs]."""
 CONTRAST_HOP_US = 50_000
-"""Step from one window of contrast maximisation to the next: its windows' own length, so that each
-event is looked at once. Windows every 10 ms, as the fly's, cost four times as much in all, and
-those that end together differ by less than 0.1 px/s (measured by day and by night)."""
+"""Time from one window of contrast maximisation to the next [µs]. It is the length of the windows,
+so that each event is used once. Windows every 10 ms, as the fly has them, cost four times as much
+in all, and those that end at the same time differ by less than 0.1 px/s (measured by day and at
+night)."""
 _WARM_UP_US = 300_000
 _WARM_UP_PX_S = 400.0
 
 
-def gathered(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
-    """The events and the frames of several steps of a sensor, in their order."""
+def join_outputs(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
+    """Return the events and the frames of several sensor steps, in order."""
     frames = [frame for output in outputs for frame in output.aps_frames]
     return joined([output.events for output in outputs]), frames
 
 
 @dataclass
-class Watcher:
-    """A detector at work.
+class TimedDetector:
+    """A detector that collects its estimates and measures its CPU time.
 
     Attributes:
-        method: its name.
-        seed: of its sensor.
-        detector: a fresh one.
-        estimates: all that it said so far.
-        cpu_s: CPU time of all its calls [s].
-        events: how many it was shown.
+        method: name of the method.
+        seed: seed of the sensor.
+        detector: a fresh detector.
+        estimates: all estimates so far.
+        cpu_s: CPU time of all calls [s].
+        events: number of events given to the detector.
     """
 
     method: str
@@ -55,40 +56,50 @@ class Watcher:
 
     @property
     def maps(self) -> FlyMaps | None:
-        """What a fly saw at its last estimate; another detector has no such maps."""
+        """Maps of a fly at its last estimate; None for other detectors."""
         maps = getattr(self.detector, "maps", None)
         return maps if isinstance(maps, FlyMaps) else None
 
     @property
     def config(self) -> Any | None:
-        """The parameters of a detector of ours, a dataclass."""
+        """Configuration of the detector, a dataclass; None for a user's class without one."""
         config = getattr(self.detector, "config", None)
         return config if is_dataclass(config) else None
 
-    def watch(
+    def process(
         self, events: Events, frames: Sequence[ApsFrame], *, until_us: int
     ) -> list[MotionEstimate]:
-        """Pass on the next chunk; returns what became due.
+        """Feed the next chunk to the detector.
 
         Args:
-            events: the next of the stream.
-            frames: the next of the sensor's.
-            until_us: every event before this was passed [µs].
+            events: next events of the stream.
+            frames: next APS frames of the sensor.
+            until_us: every event before this time has been passed [µs].
+
+        Returns:
+            The estimates that became due.
         """
         start_s = time.thread_time()
-        said = feed(
+        estimates = feed(
             self.detector, events, until_us=until_us, frames=frames, said=self.estimates[-1:]
         )
         self.cpu_s += time.thread_time() - start_s
         self.events += events.size
-        self.estimates += said
-        return said
+        self.estimates += estimates
+        return estimates
 
 
-def make_watcher(
+def make_timed_detector(
     method: str, seed: int, *, width: int, height: int, contrast_hop_us: int = CONTRAST_HOP_US
-) -> Watcher:
-    """A method before a sensor of this size [px].
+) -> TimedDetector:
+    """Make a detector for a sensor of this size.
+
+    Args:
+        method: name of the method.
+        seed: seed of the sensor.
+        width: columns of the sensor [px].
+        height: rows of the sensor [px].
+        contrast_hop_us: time between the windows of contrast maximisation [µs].
 
     Raises:
         MethodError: there is no such method.
@@ -97,30 +108,30 @@ def make_watcher(
     if method == CONTRAST:
         changes = {"hop_us": contrast_hop_us}
         detector = DETECTORS[method].make_with(changes, width=width, height=height)
-        return Watcher(method, seed, detector)
-    return Watcher(method, seed, find_method(method).make(width=width, height=height))
+        return TimedDetector(method, seed, detector)
+    return TimedDetector(method, seed, find_method(method).make(width=width, height=height))
 
 
-def warm_up(watcher: Watcher, *, width: int, height: int) -> None:
-    """Have a method compile all that it needs, before its time counts.
+def warm_up(detector: TimedDetector, *, width: int, height: int) -> None:
+    """Run a detector once so that its kernels are compiled before its time is measured.
 
     Args:
-        watcher: of the method; it is shown a drawn bar that passes by, and is of no use afterwards.
-        width: sensor columns [px].
-        height: sensor rows [px].
+        detector: a detector to discard afterwards; it sees a synthetic moving bar.
+        width: columns of the sensor [px].
+        height: rows of the sensor [px].
     """
-    events, frames = _drawn_bar(width, height)
+    events, frames = _moving_bar(width, height)
     cuts = np.arange(CHUNK_US, _WARM_UP_US + 1, CHUNK_US)
     start = 0
     for until_us in cuts:
         end = int(np.searchsorted(events["t"], until_us))
         due = [f for f in frames if until_us - CHUNK_US < f.end_us <= until_us]
-        watcher.watch(events[start:end].copy(), due, until_us=int(until_us))
+        detector.process(events[start:end].copy(), due, until_us=int(until_us))
         start = end
 
 
-def _drawn_bar(width: int, height: int) -> tuple[Events, list[ApsFrame]]:
-    """Events and frames of a bar with a rough edge."""
+def _moving_bar(width: int, height: int) -> tuple[Events, list[ApsFrame]]:
+    """Return synthetic events and frames of a moving bar with a rough edge."""
     rng = np.random.default_rng(0)
     number = 20_000
     events = np.empty(number, EVENT_DTYPE)

@@ -1,4 +1,4 @@
-"""The data sheet as JSON: every figure and every curve."""
+"""The data sheet as JSON, with every figure and every curve."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from emulator.characterisation import Datasheet, Plot, Quantity, Section, Series
 from scenarios.output.atomic_folder import GENERATOR
 
 
-def as_dict(
+def datasheet_dict(
     sheet: Datasheet, *, changes: Mapping[str, Any], versions: Mapping[str, str]
 ) -> dict[str, Any]:
-    """The data sheet as plain lists, strings and finite numbers.
+    """Return the data sheet as plain lists, strings and finite numbers.
 
     Args:
-        sheet: what was measured.
-        changes: what makes the sensor, its preset included.
-        versions: of the programs that made it.
+        sheet: results of the experiments.
+        changes: preset of the sensor and its changed settings, by name.
+        versions: versions of the programs used, by name.
     """
     return {
         "generator": GENERATOR,
@@ -73,5 +73,5 @@ def _series(series: Series) -> dict[str, Any]:
 
 
 def _finite(value: float | None) -> float | None:
-    """A number that JSON has; None for NaN and infinities."""
+    """Return the number; None for NaN and infinities, which JSON does not have."""
     return value if value is not None and math.isfinite(value) else None
