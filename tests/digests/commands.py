@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 from io import StringIO
@@ -26,7 +26,7 @@ from scenarios.commands.run import Run
 from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
 from scenarios.commands.velocity_sweep import VelocitySweep
-from scenarios.datasheet.json_export import as_dict
+from scenarios.datasheet.json_export import datasheet_dict
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.event_camera import EventCamera
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, WIDE
@@ -76,6 +76,15 @@ def written(execute: Callable[[Path], int], *names: str) -> list[Any]:
             raise RuntimeError(f"the command ended with status {status}")
         files = [out / name for name in names]
         return [table(f) if f.suffix == ".csv" else f.read_bytes() for f in files]
+
+
+def numbers(value: Any) -> Iterator[float]:
+    """Numbers in nested lists and dictionaries, in their order; words may be rewritten."""
+    if isinstance(value, dict | list | tuple):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from numbers(part)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield value
 
 
 def study() -> Any:
@@ -157,7 +166,7 @@ def characterised(name: str) -> str:
     """All figures and curves of an experiment."""
     config = SensorConfig()
     sheet = Datasheet(config, 4, {name: EXPERIMENTS[name](config, seed=4)})
-    return json.dumps(as_dict(sheet, changes={}, versions={}))
+    return list(numbers(datasheet_dict(sheet, changes={}, versions={})["sections"]))
 
 
 def converged() -> Any:
