@@ -15,12 +15,12 @@ import numpy.typing as npt
 from flybench.direction import Direction
 from sim.cache.key import luminance_key
 from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
-from sim.cache.luminance_file import Light
+from sim.cache.luminance_file import LuminanceSample
 from sim.config import CrossingConfig
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rectangles import Rectangle, hull, points_rectangle, whole
-from sim.keyframes.reprojection import Drawn, Reprojection
+from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance
@@ -28,7 +28,7 @@ from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene, build_scene
-from sim.shadows.moving_light import LightReach
+from sim.shadows.shadows_and_beams import AffectedAreaFinder
 from sim.truth.dense_truth import RATE_STEP_S
 from sim.truth.ground_truth import GroundTruth
 from sim.truth.probe import TruthProbe
@@ -91,7 +91,7 @@ class Crossing:
             self.trajectory.position_m(t_s)
         self._data = mujoco.MjData(self.scene.model)
         self.scene.place(self._data, 0.0)
-        self._reach = LightReach(
+        self._reach = AffectedAreaFinder(
             self.scene.model, self._data, self.scene.objects, self.scene.pose, self.intrinsics
         )
 
@@ -161,10 +161,10 @@ class Crossing:
         """
         if self.cache is None:
             return
-        known = self.cache.drawn
+        known = self.cache.rendered
         with closing(self._kept_light(self.times_us())) as lights:
             for light in lights:
-                if self.cache.drawn == known or not self.cache.keeps:
+                if self.cache.rendered == known or not self.cache.stores:
                     return
                 yield light.t_us
 
@@ -172,7 +172,7 @@ class Crossing:
         """From the cache where there is one."""
         if self.cache is None:
             return self._light(times_us)
-        return self.cache.light(
+        return self.cache.samples(
             luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
@@ -185,11 +185,11 @@ class Crossing:
             for t_us in times_us:
                 drawn = draw(t_us)
                 changed = hull(before + drawn.rectangles)
-                yield Light(t_us, drawn.luminance, drawn.visible.body, changed)
+                yield LuminanceSample(t_us, drawn.luminance, drawn.visible.body, changed)
                 before = drawn.rectangles
 
     @contextmanager
-    def from_keyframes(self, times_us: Sequence[int]) -> Iterator[Callable[[int], Drawn]]:
+    def from_keyframes(self, times_us: Sequence[int]) -> Iterator[Callable[[int], RenderedSample]]:
         """Give a function that draws samples from keyframes, at times that may not go back [µs].
 
         Args:
@@ -213,7 +213,7 @@ class Crossing:
                 spacing_px=self.config.keyframe_px,
                 step_px=self.config.step_px,
             )
-            yield drawing.draw
+            yield drawing.render
 
     @contextmanager
     def full_frames(
@@ -257,7 +257,7 @@ class Crossing:
     def _speed_at_px_s(self, t_us: int) -> float:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
-        reach = self._reach.at(self._data)
+        reach = self._reach.find(self._data)
         seen = {obj.name for _, obj, _ in reach.shadows}
         seen |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
         focal_px = self.intrinsics.focal_px

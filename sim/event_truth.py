@@ -17,9 +17,9 @@ import numpy.typing as npt
 from flybench.kernels import compiled
 from sim.crossing import Crossing
 from sim.errors import SimError
-from sim.raster.aperture import REACH_PX
+from sim.raster.aperture import BLUR_REACH_PX
 from sim.raster.flow import flow_px_s
-from sim.raster.visibility import Visible
+from sim.raster.visibility import VisibilityMap
 from sim.truth.dense_truth import BACKGROUND, DenseTruth
 
 NOISE = -2
@@ -133,7 +133,7 @@ class _Past:
         self._nearness = np.zeros((height, width), np.float32)
         self._flow = np.zeros((height, width, 2), np.float32)
 
-    def note(self, t_us: int, object_of: I8, visible: Visible, flows: F32) -> None:
+    def note(self, t_us: int, object_of: I8, visible: VisibilityMap, flows: F32) -> None:
         """Take in what is seen at a time, later than all before."""
         here = object_of, visible.body, visible.nearness, flows
         _note(t_us, *here, self._last_us, self._object, self._nearness, self._flow)
@@ -187,8 +187,8 @@ def _ask(
         column, row = columns[k], rows[k]
         flow[k] = flows[row, column]
         best_us, best_nearness = since_us, np.float32(-1.0)
-        for y in range(max(row - REACH_PX, 0), min(row + REACH_PX + 1, height)):
-            for x in range(max(column - REACH_PX, 0), min(column + REACH_PX + 1, width)):
+        for y in range(max(row - BLUR_REACH_PX, 0), min(row + BLUR_REACH_PX + 1, height)):
+            for x in range(max(column - BLUR_REACH_PX, 0), min(column + BLUR_REACH_PX + 1, width)):
                 own = y == row and x == column
                 nearness = np.float32(np.inf) if own else last_nearness[y, x]
                 later = last_us[y, x] > best_us

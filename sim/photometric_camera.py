@@ -22,8 +22,8 @@ from sim.errors import RendererError, SceneConfigError
 from sim.geometry.pinhole import Pose
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
-from sim.raster.triangles import Soup, triangle_soup
-from sim.raster.visibility import Visible, look
+from sim.raster.triangles import TriangleSoup, triangle_soup
+from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.render.luminance_model import luminance_model
 from sim.render.model_camera import camera_intrinsics, camera_number
@@ -110,7 +110,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
         return self._renderer.luminance(self._pose(), whole, supersample=self._supersample)
 
-    def visible(self, data: mujoco.MjData) -> Visible:
+    def visible(self, data: mujoco.MjData) -> VisibilityMap:
         """Which rigid body each pixel's middle shows, and how near.
 
         Raises:
@@ -118,7 +118,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
                 `data` is of another model.
         """
         self._take(data)
-        return look(self._soup, body_poses(self._data), self._pose(), self.intrinsics)
+        return visibility_map(self._soup, body_poses(self._data), self._pose(), self.intrinsics)
 
     def depth_m(self, data: mujoco.MjData) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
@@ -137,7 +137,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         return flow.flow_px_s(self.visible(data), twists, self.intrinsics)
 
     @cached_property
-    def _soup(self) -> Soup:
+    def _soup(self) -> TriangleSoup:
         return triangle_soup(self._model)
 
     def _views(self, data: mujoco.MjData, ahead_s: float) -> F64:

@@ -90,7 +90,7 @@ def preview_jpegs(crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
         return list(_drawn(crossing, times_us))
     light = luminance_key(crossing.config, crossing.scene.model, crossing.intrinsics, times_us)
     key = hashlib.sha256(f"previews of {light}".encode()).hexdigest()
-    return _parted(crossing.cache.kept(key, draw))
+    return _parted(crossing.cache.get_or_make(key, draw))
 
 
 def _drawn(crossing: Crossing, times_us: Sequence[int]) -> Iterator[bytes]:

@@ -10,7 +10,7 @@ from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
 from sim.raster.triangles import triangle_soup
-from sim.raster.visibility import Visible, look
+from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.scene.scene import Scene
 
 F32 = npt.NDArray[np.float32]
@@ -45,7 +45,7 @@ class DenseTruth:
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers = self.soup.of_bodies(moving)
         self._still_soup = self.soup.without_bodies(moving)
-        self._still: Visible | None = None
+        self._still: VisibilityMap | None = None
         self._data = mujoco.MjData(scene.model)
 
     def views(self, t_s: float) -> F64:
@@ -65,13 +65,13 @@ class DenseTruth:
         before, after = self.views(t_s - RATE_STEP_S), self.views(t_s + RATE_STEP_S)
         return flow.twists_between(before, self.views(t_s), after, 2 * RATE_STEP_S)
 
-    def visible(self, t_s: float) -> Visible:
+    def visible(self, t_s: float) -> VisibilityMap:
         """What each pixel's middle shows."""
         poses, pose = self.poses(t_s), self.scene.pose_at(t_s)
         still = self._still
         if still is None or self.scene.shake is not None:
-            still = self._still = look(self._still_soup, poses, pose, self.lens)
-        return look(self._movers, poses, pose, self.lens, still)
+            still = self._still = visibility_map(self._still_soup, poses, pose, self.lens)
+        return visibility_map(self._movers, poses, pose, self.lens, still)
 
     def depth_m(self, t_s: float) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""

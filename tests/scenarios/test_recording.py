@@ -23,7 +23,7 @@ from sim import Crossing, CrossingConfig, GroundTruth, project
 from sim.truth.probe import TruthProbe
 from tests.scenarios.drawn_events import events_at
 from tests.scenarios.reading import Reading
-from tests.sim.seen import target_on
+from tests.sim.body_labels import target_body_labels
 
 CELL_PX = 3
 METHODS = ("fly", "plane-fit", "mine:Own")
@@ -43,7 +43,7 @@ def truth_at(crossing: Crossing, t_us: int, *, seen: bool = True) -> GroundTruth
     if seen:
         mask[120:150, 100:140] = True
     probe = TruthProbe(crossing.scene, crossing.intrinsics)
-    return probe.at(t_us, crossing.seconds(t_us), target_on(mask, crossing.scene))
+    return probe.at(t_us, crossing.seconds(t_us), target_body_labels(mask, crossing.scene))
 
 
 def jpeg(rgb: tuple[int, int, int]) -> bytes:

@@ -8,7 +8,7 @@ import pytest
 from scenarios.recording import Recorder
 from scenarios.recording.screenshot import ScreenshotError, screenshot
 from sim import Crossing, CrossingConfig, TruthProbe
-from tests.sim.seen import target_on
+from tests.sim.body_labels import target_body_labels
 
 SMALL_PX = (640, 400)
 
@@ -19,7 +19,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     crossing = Crossing(CrossingConfig())
     _, jpeg = cv2.imencode(".jpg", np.full((260, 346, 3), (250, 0, 0), np.uint8))
     probe = TruthProbe(crossing.scene, crossing.intrinsics)
-    unseen = target_on(np.zeros((260, 346), np.bool_), crossing.scene)
+    unseen = target_body_labels(np.zeros((260, 346), np.bool_), crossing.scene)
     truth = probe.at(0, crossing.seconds(0), unseen)
     with Recorder(path, crossing=crossing, parameters={}) as recorder:
         recorder.log_preview(jpeg.tobytes(), truth, scale=1.0)

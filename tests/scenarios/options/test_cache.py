@@ -136,5 +136,5 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_run_goes_on(
     light = CacheOptions(cache=tmp_path / "file" / "kept")
     run = Run(omega=2.42, light=light, out=tmp_path / "out", **COARSE)
     assert execute(run) == 0
-    (sentence,) = [line for line in capsys.readouterr().err.splitlines() if "kept in" in line]
-    assert sentence.startswith("flybench: light cannot be kept in")
+    (sentence,) = [line for line in capsys.readouterr().err.splitlines() if "stored in" in line]
+    assert sentence.startswith("flybench: luminance cannot be stored in")

@@ -11,7 +11,7 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from sim import Crossing, CrossingConfig, Sample
 from sim.truth.probe import TruthProbe
-from tests.sim.seen import target_on
+from tests.sim.body_labels import target_body_labels
 
 CROSSING = Crossing(CrossingConfig())
 WITNESS = TruthProbe(CROSSING.scene, CROSSING.intrinsics)
@@ -25,7 +25,7 @@ def samples() -> Iterator[Sample]:
         mask[100:160, 2 * k : 2 * k + 60] = True
         light[mask] = 300.0
         t_us = 1_500 * k
-        truth = WITNESS.at(t_us, CROSSING.seconds(t_us), target_on(mask, CROSSING.scene))
+        truth = WITNESS.at(t_us, CROSSING.seconds(t_us), target_body_labels(mask, CROSSING.scene))
         yield Sample(t_us, light, truth, changed=(0, 0, 346, 260))
 
 

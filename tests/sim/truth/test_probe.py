@@ -11,12 +11,12 @@ from flybench.direction import CARDINAL, Direction
 from sim.config import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection, VehicleKind
 from sim.geometry.pinhole import Intrinsics, project
-from sim.raster.triangles import Soup
-from sim.raster.visibility import look
+from sim.raster.triangles import TriangleSoup
+from sim.raster.visibility import visibility_map
 from sim.scene.scene import Scene, build_scene
 from sim.truth.ground_truth import GroundTruth
 from sim.truth.probe import TruthProbe
-from tests.sim.seen import target_on
+from tests.sim.body_labels import target_body_labels
 
 LENS = Intrinsics()
 EVERYTHING = Distractors(
@@ -142,9 +142,9 @@ def test_visibility_counts_what_the_border_and_others_hide() -> None:
     assert truth_of(it, 0.0).visibility > 0.99
 
 
-def _area(soup: Soup, wide: TruthProbe, t_s: float) -> int:
+def _area(soup: TriangleSoup, wide: TruthProbe, t_s: float) -> int:
     scene = wide.geometry.scene
-    seen = look(soup, wide.geometry.poses(t_s), scene.pose, LENS.grown(2_000))
+    seen = visibility_map(soup, wide.geometry.poses(t_s), scene.pose, LENS.grown(2_000))
     return int((seen.body >= 0).sum())
 
 
@@ -152,11 +152,11 @@ def test_a_hand_drawn_mask_gives_its_box_and_centroid() -> None:
     scene, it = probe(vehicle=VehicleKind.MOTORCYCLE)
     mask = np.zeros((260, 346), np.bool_)
     mask[120:150, 100:140] = True
-    truth = it.at(5, 0.0, target_on(mask, scene))
+    truth = it.at(5, 0.0, target_body_labels(mask, scene))
     assert truth.t_us == 5
     assert truth.bounding_box_px == (100, 120, 140, 150)
     assert truth.centroid_px == pytest.approx([120, 135])
-    nothing = it.at(5, 0.0, target_on(np.zeros_like(mask), scene))
+    nothing = it.at(5, 0.0, target_body_labels(np.zeros_like(mask), scene))
     assert nothing.bounding_box_px is None
     assert nothing.centroid_px is None
     assert nothing.visibility == 0
