@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import compiled
+from flybench.kernels import inlined
 from sim.geometry.pinhole import Eye
 from sim.geometry.rigid_transform import transform_point
 
@@ -49,7 +49,7 @@ class Surfaces(NamedTuple):
     per_pixel: int
 
 
-@compiled
+@inlined
 def surface_luminance(
     surfaces: Surfaces,
     eye: Eye,
@@ -82,7 +82,7 @@ def surface_luminance(
     return value
 
 
-@compiled
+@inlined
 def _interpolated(
     surfaces: Surfaces,
     eye: Eye,
