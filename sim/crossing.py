@@ -15,12 +15,12 @@ import numpy.typing as npt
 from flybench.direction import Direction
 from sim.cache.key import luminance_key
 from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
-from sim.cache.luminance_file import Light
+from sim.cache.luminance_file import LuminanceSample
 from sim.config import CrossingConfig
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rectangles import Rectangle, hull, points_rectangle, whole
-from sim.keyframes.reprojection import Drawn, Reprojection
+from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance
@@ -28,7 +28,7 @@ from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene, build_scene
-from sim.shadows.moving_light import LightReach
+from sim.shadows.shadows_and_beams import AffectedAreaFinder
 from sim.truth.dense_truth import RATE_STEP_S
 from sim.truth.ground_truth import GroundTruth
 from sim.truth.probe import TruthProbe
@@ -93,7 +93,7 @@ class Crossing:
             self.trajectory.position_m(t_s)
         self._data = mujoco.MjData(self.scene.model)
         self.scene.place(self._data, 0.0)
-        self._reach = LightReach(
+        self._reach = AffectedAreaFinder(
             self.scene.model, self._data, self.scene.objects, self.scene.pose, self.intrinsics
         )
 
@@ -164,10 +164,10 @@ class Crossing:
         """
         if self.cache is None:
             return
-        drawn_before = self.cache.drawn
+        drawn_before = self.cache.rendered
         with closing(self._cached_luminance(self.times_us())) as frames:
             for frame in frames:
-                if self.cache.drawn == drawn_before or not self.cache.keeps:
+                if self.cache.rendered == drawn_before or not self.cache.stores:
                     return
                 yield frame.t_us
 
@@ -175,7 +175,7 @@ class Crossing:
         """Luminance from the cache if there is one, else from the renderer."""
         if self.cache is None:
             return self._rendered_luminance(times_us)
-        return self.cache.light(
+        return self.cache.samples(
             luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
@@ -188,11 +188,13 @@ class Crossing:
             for t_us in times_us:
                 rendered = render(t_us)
                 changed = hull(previous + rendered.rectangles)
-                yield Light(t_us, rendered.luminance, rendered.visible.body, changed)
+                yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)
                 previous = rendered.rectangles
 
     @contextmanager
-    def keyframe_renderer(self, times_us: Sequence[int]) -> Iterator[Callable[[int], Drawn]]:
+    def keyframe_renderer(
+        self, times_us: Sequence[int]
+    ) -> Iterator[Callable[[int], RenderedSample]]:
         """Open a renderer that makes samples from keyframes.
 
         Args:
@@ -219,7 +221,7 @@ class Crossing:
                 spacing_px=self.config.keyframe_px,
                 step_px=self.config.step_px,
             )
-            yield reprojection.draw
+            yield reprojection.render
 
     @contextmanager
     def full_frame_renderer(
@@ -267,7 +269,7 @@ class Crossing:
     def _speed_at_px_s(self, t_us: int) -> float:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
-        reach = self._reach.at(self._data)
+        reach = self._reach.find(self._data)
         in_view = {obj.name for _, obj, _ in reach.shadows}
         in_view |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
         with_beams = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()

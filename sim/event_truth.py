@@ -19,7 +19,7 @@ from flybench.events import Cause, Events, check_events
 from flybench.kernels import compiled
 from sim.crossing import Crossing
 from sim.errors import SimError
-from sim.raster.aperture import REACH_PX
+from sim.raster.aperture import BLUR_REACH_PX
 from sim.raster.flow import flow_px_s
 from sim.truth.dense_truth import BACKGROUND, DenseTruth
 
@@ -199,8 +199,8 @@ def _look_up(
         column, row = columns[k], rows[k]
         found_flow[k] = flow[row, column]
         best_us, best_nearness = since_us, np.float32(-1.0)
-        for y in range(max(row - REACH_PX, 0), min(row + REACH_PX + 1, height)):
-            for x in range(max(column - REACH_PX, 0), min(column + REACH_PX + 1, width)):
+        for y in range(max(row - BLUR_REACH_PX, 0), min(row + BLUR_REACH_PX + 1, height)):
+            for x in range(max(column - BLUR_REACH_PX, 0), min(column + BLUR_REACH_PX + 1, width)):
                 at_pixel = y == row and x == column
                 nearness = np.float32(np.inf) if at_pixel else last.nearness[y, x]
                 later = last.t_us[y, x] > best_us

@@ -23,8 +23,8 @@ from sim.geometry.pinhole import Pose
 from sim.geometry.rectangles import whole
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
-from sim.raster.triangles import Soup, triangle_soup
-from sim.raster.visibility import Visible, look
+from sim.raster.triangles import TriangleSoup, triangle_soup
+from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.render.luminance_model import luminance_model
 from sim.render.model_camera import camera_id, camera_intrinsics
@@ -113,7 +113,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         image = whole(self.intrinsics)
         return self._renderer.luminance(self._pose(), image, supersample=self._supersample)
 
-    def visible(self, data: mujoco.MjData) -> Visible:
+    def visible(self, data: mujoco.MjData) -> VisibilityMap:
         """Return the rigid body that the middle of each pixel shows, and its nearness.
 
         Raises:
@@ -121,7 +121,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
                 `data` belongs to another model.
         """
         self._load_state(data)
-        return look(self._soup, body_poses(self._data), self._pose(), self.intrinsics)
+        return visibility_map(self._soup, body_poses(self._data), self._pose(), self.intrinsics)
 
     def depth_m(self, data: mujoco.MjData) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
@@ -143,7 +143,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         return flow.flow_px_s(self.visible(data), twists, self.intrinsics)
 
     @cached_property
-    def _soup(self) -> Soup:
+    def _soup(self) -> TriangleSoup:
         return triangle_soup(self._model)
 
     def _poses_in_camera(self, data: mujoco.MjData, ahead_s: float) -> F64:

@@ -103,7 +103,7 @@ def preview_jpegs(crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
         crossing.config, crossing.scene.model, crossing.intrinsics, times_us
     )
     key = hashlib.sha256(f"previews of {of_luminance}".encode()).hexdigest()
-    return _split(crossing.cache.kept(key, rendered))
+    return _split(crossing.cache.get_or_make(key, rendered))
 
 
 def _rendered(crossing: Crossing, times_us: Sequence[int]) -> Iterator[bytes]:

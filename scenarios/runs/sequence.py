@@ -130,12 +130,12 @@ def run_sequence(
         RendererError: this machine cannot render.
         MissingLibraryError: a format needs a library that is not installed.
     """
-    watch, drawn = Stopwatch(), cache.drawn if cache else 0
+    watch, drawn = Stopwatch(), cache.rendered if cache else 0
     with atomic_folder(folder) as work:
         with watch.stage(TOTAL):
             rivals = make_rivals(config, also)
             summary = _run_into(work, config, watch, progress, cache, rivals, events_formats)
-        summary["light"] = "rendered" if cache is None or cache.drawn > drawn else "kept"
+        summary["light"] = "rendered" if cache is None or cache.rendered > drawn else "kept"
         summary["wall_s"] = {name: round(seconds, 3) for name, seconds in watch.wall_s.items()}
         write_summary(work, summary)
     return summary

@@ -22,7 +22,7 @@ from mujoco import mjrf
 from sim.errors import RendererError
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, whole
-from sim.raster.aperture import REACH_PX, to_pixels
+from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.free_memory import return_free_memory
 from sim.render.quiet_output import suppress_output
 from sim.render.vulkan import require_vulkan
@@ -176,7 +176,7 @@ class FilamentRenderer:
         return self._render(pose, whole(self.intrinsics), scale, rgb, post_processing=True)
 
     def _with_blur_margin(self, rectangle: Rectangle) -> Rectangle:
-        m, i = REACH_PX, self.intrinsics
+        m, i = BLUR_REACH_PX, self.intrinsics
         x0, y0, x1, y1 = rectangle
         return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
 

@@ -10,7 +10,7 @@ from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
 from sim.raster.triangles import triangle_soup
-from sim.raster.visibility import Visible, look
+from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.scene.scene import Scene
 
 F32 = npt.NDArray[np.float32]
@@ -52,7 +52,7 @@ class DenseTruth:
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers = self.soup.of_bodies(moving)
         self._static = self.soup.without_bodies(moving)
-        self._static_visible: Visible | None = None
+        self._static_visible: VisibilityMap | None = None
         self._data = mujoco.MjData(scene.model)
 
     def poses_in_camera(self, t_s: float) -> F64:
@@ -76,13 +76,13 @@ class DenseTruth:
         )
         return flow.twists_between(before, now, after, 2 * RATE_STEP_S)
 
-    def visible(self, t_s: float) -> Visible:
+    def visible(self, t_s: float) -> VisibilityMap:
         """Return the body that the middle of each pixel shows, and its nearness."""
         poses, pose = self.poses_in_world(t_s), self.scene.pose_at(t_s)
         static = self._static_visible
         if static is None or self.scene.shake is not None:
-            static = self._static_visible = look(self._static, poses, pose, self.lens)
-        return look(self._movers, poses, pose, self.lens, static)
+            static = self._static_visible = visibility_map(self._static, poses, pose, self.lens)
+        return visibility_map(self._movers, poses, pose, self.lens, static)
 
     def depth_m(self, t_s: float) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""

@@ -12,7 +12,7 @@ from flybench.kernels import compiled
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.silhouette import Silhouette
+from sim.raster.visible_fraction import VisibleFraction
 from sim.scene.scene import Scene
 from sim.truth.dense_truth import RATE_STEP_S, DenseTruth
 from sim.truth.ground_truth import GroundTruth, ObjectTruth
@@ -41,8 +41,8 @@ class TruthProbe:
         """
         self.geometry = DenseTruth(scene, lens)
         self._scene, self._lens = scene, lens
-        self._silhouettes = [
-            Silhouette(self.geometry.soup.of_bodies(item.bodies)) for item in scene.objects
+        self._visible_fractions = [
+            VisibleFraction(self.geometry.soup.of_bodies(item.bodies)) for item in scene.objects
         ]
         self._roots = np.array([item.root for item in scene.objects])
         self._references_m = self._reference_points_m()
@@ -54,7 +54,7 @@ class TruthProbe:
             t_us: time since the start of the sequence [µs].
             t_s: the same instant as time since closest approach [s].
             body: (height, width) int32 rigid body that the middle of each pixel shows at that
-                time; see `sim.raster.visibility.Visible`.
+                time; see `sim.raster.visibility.VisibilityMap`.
         """
         scene = self._scene
         labels, counts = _label(body, self.geometry.object_of_body, len(scene.objects))
@@ -75,7 +75,7 @@ class TruthProbe:
         item, seen = self._scene.objects[k], count[_AREA] > 0
         visibility = 0.0
         if seen:
-            visibility = self._silhouettes[k].visibility(in_camera, self._lens, labels, k)
+            visibility = self._visible_fractions[k].measure(in_camera, self._lens, labels, k)
         return ObjectTruth(
             name=item.name,
             kind=item.kind,

@@ -162,7 +162,7 @@ def envelope() -> Any:
     )
 
 
-def characterised(name: str) -> str:
+def characterised(name: str) -> list[float]:
     """All figures and curves of an experiment."""
     config = SensorConfig()
     sheet = Datasheet(config, 4, {name: EXPERIMENTS[name](config, seed=4)})

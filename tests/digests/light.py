@@ -108,7 +108,7 @@ def kept(name: str) -> Iterator[Any]:
         for _ in range(2):
             cache = LuminanceCache(Path(folder))
             drawn = Crossing(CROSSINGS[name], LENS, cache=cache).samples(middle_us(name))
-            yield list(drawn), cache.found, cache.drawn
+            yield list(drawn), cache.read, cache.rendered
 
 
 def times(name: str) -> list[int]:

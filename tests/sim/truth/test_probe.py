@@ -11,8 +11,8 @@ from flybench.direction import CARDINAL, Direction
 from sim.config import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection, VehicleKind
 from sim.geometry.pinhole import Intrinsics, project
-from sim.raster.triangles import Soup
-from sim.raster.visibility import look
+from sim.raster.triangles import TriangleSoup
+from sim.raster.visibility import visibility_map
 from sim.scene.scene import Scene, build_scene
 from sim.truth.ground_truth import GroundTruth
 from sim.truth.probe import TruthProbe
@@ -142,9 +142,9 @@ def test_visibility_accounts_for_the_image_border_and_for_occlusion() -> None:
     assert truth_at(probe, 0.0).visibility > 0.99
 
 
-def _area(soup: Soup, wide: TruthProbe, t_s: float) -> int:
+def _area(soup: TriangleSoup, wide: TruthProbe, t_s: float) -> int:
     scene = wide.geometry.scene
-    seen = look(soup, wide.geometry.poses_in_world(t_s), scene.pose, LENS.grown(2_000))
+    seen = visibility_map(soup, wide.geometry.poses_in_world(t_s), scene.pose, LENS.grown(2_000))
     return int((seen.body >= 0).sum())
 
 
