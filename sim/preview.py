@@ -35,7 +35,7 @@ class Preview:
     """Renders a crossing in colour, exposed for its illuminance. Use as a context manager."""
 
     def __init__(self, crossing: Crossing) -> None:
-        """Set up a renderer of its own for the colour model.
+        """Set up a separate renderer for the colour model.
 
         Args:
             crossing: crossing to show.
