@@ -25,7 +25,7 @@ from scenarios.output.folder import EVENTS
 from scenarios.output.terminal import script
 from scenarios.output.whole_file import check_place, whole_file
 from scenarios.pipeline.registry import FLY
-from scenarios.pipeline.scaled_detectors import Scaled, make_scaled
+from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
 
@@ -74,7 +74,7 @@ class Detect:
         self._tell_outputs()
         return 0
 
-    def _read(self, file: EventFile, made: Scaled, printer: StepsPrinter) -> Verdict:
+    def _read(self, file: EventFile, made: ScaledDetector, printer: StepsPrinter) -> Verdict:
         """Pass the file before the detector and write the outputs, whole or not at all."""
         verdict, curves = Verdict(), Curves()
         with ExitStack() as stack:
@@ -93,7 +93,9 @@ class Detect:
                 write_plot(png, curves, verdict, size, f"{file.path.name}, {self.method}")
         return verdict
 
-    def _recorder(self, stack: ExitStack, file: EventFile, made: Scaled) -> Callable[[Look], None]:
+    def _recorder(
+        self, stack: ExitStack, file: EventFile, made: ScaledDetector
+    ) -> Callable[[Look], None]:
         """What writes pieces into the recording, which begins with the first of them."""
         assert self.rrd is not None
         work = stack.enter_context(whole_file(self.rrd))
@@ -120,12 +122,12 @@ class Detect:
 
         return log
 
-    def _parameters(self, file: EventFile, made: Scaled) -> dict[str, object]:
+    def _parameters(self, file: EventFile, made: ScaledDetector) -> dict[str, object]:
         scaled = {f"scaled.{name}": value for name, value in made.changes.items()}
         facts = {"file": file.path.name, "format": file.format, "method": self.method}
         return {**facts, "width": file.width, "height": file.height, **scaled}
 
-    def _make(self, file: EventFile) -> Scaled:
+    def _make(self, file: EventFile) -> ScaledDetector:
         made = make_scaled(
             self.method,
             width=file.width,

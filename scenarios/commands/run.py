@@ -20,7 +20,7 @@ from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, make_rivals, run_sequence
+from scenarios.runs.sequence import EventsFormat, make_extra_detectors, run_sequence
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DISTANCE_M, PAPER_OMEGA_RAD_S
 
@@ -121,7 +121,7 @@ class Run:
         folder = self.out or LOGS / f"{config.name}{beside and '_also'}{beside}"
         check_output(folder)
         make_detector(config)
-        make_rivals(config, self.also)
+        make_extra_detectors(config, self.also)
         with progress_bar() as progress:
             tell = progress.track(config.name)
             summary = run_sequence(

@@ -17,10 +17,10 @@ from scenarios.options.cache import CacheOptions
 from scenarios.output.folder import check_output, whole_folder, write_summary
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, script
-from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.summary import versions
-from scenarios.runs.run_table import number
+from scenarios.runs.run_table import format_number
 from scenarios.study.claims.all_claims import hold_claims
 from scenarios.study.claims.claim import Claim, told
 from scenarios.study.figures.all_figures import draw_figures
@@ -62,7 +62,7 @@ class Study:
     """The farthest that anything may move in the image between two samples [px]."""
     supersample: int = CrossingConfig.supersample
     """Drawn points per pixel along each axis."""
-    jobs: int = ONE_A_CORE
+    jobs: int = ONE_PER_CORE
     """How many processes; -1: one a core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
     """Folder to write; takes the place of what flybench wrote there before."""
@@ -238,7 +238,10 @@ def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
                 light,
                 told(found["accuracy_after_100ms"], "%"),
                 "never" if latency is None else f"{latency.mean:.0f} ms",
-                *(number(_mean(found[name])) for name in ("ms_per_estimate", "ns_per_event")),
+                *(
+                    format_number(_mean(found[name]))
+                    for name in ("ms_per_estimate", "ns_per_event")
+                ),
             )
     console = Console()
     console.print(table)

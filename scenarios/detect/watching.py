@@ -60,11 +60,11 @@ def watch(file: EventFile, detector: Detector) -> Iterator[Look]:
             mine, shown = _shifted(events, shift_us), _in_order(frames, shift_us, now_us)
             ends = [frame.end_us for frame in shown]
             now_us = max([now_us, *ends, *mine["t"][-1:].tolist()])
-            estimates = feed(detector, mine, until_us=now_us, frames=shown, said=said)
+            estimates = feed(detector, mine, until_us=now_us, frames=shown, earlier=said)
             said = tuple(estimates[-1:]) or said
             yield _look(events, frames, estimates, detector, shift_us)
     if shift_us is not None:
-        estimates = feed(detector, empty_events(), until_us=now_us + 1, said=said)
+        estimates = feed(detector, empty_events(), until_us=now_us + 1, earlier=said)
         yield _look(empty_events(), (), estimates, detector, shift_us)
 
 

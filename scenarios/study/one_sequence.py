@@ -20,8 +20,8 @@ from flybench.events import Events
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.registry import gives_velocity, is_fly
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import make_crossing, note
-from scenarios.pipeline.scoring import SETTLING_US, Track, judge
+from scenarios.pipeline.running import add_truth, make_crossing
+from scenarios.pipeline.scoring import SETTLING_US, Track, score_estimates
 from scenarios.recording import SequenceRecorder
 from scenarios.study.results import MethodRun, Snapshot
 from scenarios.study.results import Sequence as Result
@@ -171,7 +171,7 @@ class Audience:
 
         One sensor after the other sees a whole chunk, so that a processor's caches hold its state.
         """
-        note(self._track, sample.truth)
+        add_truth(self._track, sample.truth)
         if not self._velocity or sample.t_us >= self._velocity[-1][0] + CHUNK_US:
             velocity_px_s = float(sample.truth.image_velocity_px_s[0])
             self._velocity.append((sample.t_us, velocity_px_s))
@@ -244,7 +244,7 @@ class Audience:
                 method=watcher.method,
                 seed=watcher.seed,
                 estimates=tuple(watcher.estimates),
-                judgement=judge(
+                judgement=score_estimates(
                     watcher.estimates, result.direction, result.in_view_us, self._track
                 ),
                 velocity_error_px_s=rms,

@@ -44,7 +44,7 @@ class MethodRun:
         method: its name in `scenarios.pipeline.registry`.
         seed: the sensor's.
         estimates: all that it said.
-        judgement: that against the truth, see `scenarios.pipeline.scoring.judge`.
+        judgement: that against the truth, see `scenarios.pipeline.scoring.score_estimates`.
         velocity_error_px_s: root mean square error of its horizontal velocity, over those of the
             steps after 100 ms in view that name a direction [px/s]; None for a method that gives
             no velocity, and where there is no such step.

@@ -50,9 +50,10 @@ COLUMNS = (
 
 sequence: light and velocity, such as "day_1.21", which also names its recording; truth: the true
 direction; image_speed_px_s: the vehicle's, when it is nearest; from accuracy to latency_ms, and
-grms: see `scenarios.pipeline.scoring.judge`; response_mean: HS or VS along the true direction, mean
-over the steps after 100 ms; response_variation: its standard deviation over that mean, None where
-the mean is not above 0; velocity_error_px_s and velocity_bias_px_s: see `MethodRun`;
+grms: see `scenarios.pipeline.scoring.score_estimates`; response_mean: HS or VS along the true
+direction, mean over the steps after 100 ms; response_variation: its standard deviation over that
+mean, None where the mean is not above 0; velocity_error_px_s and velocity_bias_px_s: see
+`MethodRun`;
 roi_iou and centroid_error_px: of a method that attends to a place, None of one that does not;
 cpu_s: of all calls; ms_per_estimate and ns_per_event: that, by estimates and by events shown.
 """

@@ -77,7 +77,7 @@ class Watcher:
         """
         start_s = time.thread_time()
         said = feed(
-            self.detector, events, until_us=until_us, frames=frames, said=self.estimates[-1:]
+            self.detector, events, until_us=until_us, frames=frames, earlier=self.estimates[-1:]
         )
         self.cpu_s += time.thread_time() - start_s
         self.events += events.size

@@ -102,7 +102,7 @@ def test_a_sweep_of_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
 def test_an_unknown_method_is_refused_before_anything_is_drawn(
     command: type[VelocitySweep | Run | Demo], tmp_path: Path
 ) -> None:
-    with pytest.raises(MethodError, match="'bee'; allowed is fly"):
+    with pytest.raises(MethodError, match=r"'bee'\. Allowed is fly"):
         command(method="bee", out=tmp_path / "out").execute()
     assert list(tmp_path.iterdir()) == []
 
@@ -143,7 +143,7 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
         "1,234,567",
         "mine:Own",
         "42 %",
-        "50 ms after entering",
+        "50 ms after entry",
         "never",
         "no step",
         "logs/b/recording.rrd",

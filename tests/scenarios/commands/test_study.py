@@ -80,7 +80,7 @@ def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
     ("changes", "words"),
     [
         ({"seeds": 0}, "--seeds is 0; allowed is 1 to 100"),
-        ({"methods": ("bee",)}, "'bee'; allowed is fly"),
+        ({"methods": ("bee",)}, "'bee'. Allowed is fly"),
         ({"methods": (FLY, FLY)}, "--methods is fly fly; allowed is each once"),
         ({"methods": ()}, "--methods names none"),
         ({"omegas": (0.0,)}, "omega_rad_s"),

@@ -21,7 +21,7 @@ from scenarios.commands.view import MAGIC
 from scenarios.output.terminal import execute
 from scenarios.pipeline.registry import DETECTORS
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
-from tests.scenarios.reading import Reading
+from tests.scenarios.rrd_contents import RrdContents
 
 SIZE: Any = {"width": 346, "height": 260}
 
@@ -75,7 +75,7 @@ def test_json_is_all_that_stands_on_standard_output(
 
 
 def _check_recording(rrd: Path, steps: list[dict[str, Any]], events: int) -> None:
-    reading = Reading(rrd)
+    reading = RrdContents(rrd)
     shown = reading.rows("/response/hs/fly", "Scalars:scalars")
     assert [value for _, (value,) in shown] == pytest.approx([step["hs"] for step in steps])
     assert [t for t, _ in shown] == pytest.approx([step["t_us"] * 1e-6 for step in steps])
@@ -133,7 +133,7 @@ def test_an_interrupted_copy_leaves_a_sentence_and_nothing_else(
     ("changes", "words"),
     [
         ({"file": Path("nowhere.raw")}, "nowhere.raw does not exist"),
-        ({"method": "bee"}, "the method is 'bee'; allowed is fly"),
+        ({"method": "bee"}, "The method is 'bee'. Allowed is fly"),
         ({"method": "frame-fly"}, "looks at frames, and .* holds none; choose another"),
         ({"size": "346"}, "--size is '346'; .* write it as --size 346x260"),
         ({"size": "20x20"}, r"allowed is 0 to 19; .* --size"),

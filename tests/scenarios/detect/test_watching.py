@@ -17,7 +17,7 @@ from formats import Chunk
 from scenarios.detect.watching import Look, watch
 from scenarios.recording import FileRecorder, stream_recorder
 from tests.detector.moving_dots import texture
-from tests.scenarios.reading import Reading
+from tests.scenarios.rrd_contents import RrdContents
 
 
 def looks(chunks: Sequence[Chunk] | Iterator[Chunk], detector: Any) -> list[Look]:
@@ -105,7 +105,7 @@ def test_a_long_recording_is_written_as_it_comes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """20 s, of which never more than a thousand rows are in memory; all of them in the file."""
-    monkeypatch.setattr(stream_recorder, "MOST_ROWS", 1000)
+    monkeypatch.setattr(stream_recorder, "MAX_ROWS", 1000)
     events = np.zeros(200, EVENT_DTYPE)
     most, rows = 0, 0
 
@@ -117,7 +117,7 @@ def test_a_long_recording_is_written_as_it_comes(
     options: Any = {"width": 346, "height": 260, "has_maps": False, "has_frames": False}
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="waver", name="long", parameters={}, **options) as recorder:
-        recorder._events._enough = 500
+        recorder._events._chunk_events = 500
         for look in watch(chunks(), Waver()):  # type: ignore[arg-type]
             recorder.log_events(look.events)
             for estimate in look.estimates:
@@ -126,7 +126,7 @@ def test_a_long_recording_is_written_as_it_comes(
             most = max(most, recorder._columns.rows)
     assert rows == 1999
     assert most < 2500
-    reading = Reading(path)
+    reading = RrdContents(path)
     assert len(reading.rows("/response/hs/waver", "Scalars:scalars")) == rows
     assert len(reading.rows("/event_rate/on", "Scalars:scalars")) == 20_001
     assert len(reading.rows("/direction/1_waver", "StateChange:state")) == 1
@@ -139,6 +139,6 @@ def test_a_quiet_of_hours_costs_no_row_a_millisecond(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="waver", name="quiet", parameters={}, **options) as recorder:
         recorder.log_events(events)
-    rows = Reading(path).rows("/event_rate/off", "Scalars:scalars")
+    rows = RrdContents(path).rows("/event_rate/off", "Scalars:scalars")
     assert len(rows) < 20
     assert [t for t, (rate,) in rows if rate == 1.0] == pytest.approx([0.002, 3600.001])

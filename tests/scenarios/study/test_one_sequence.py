@@ -14,7 +14,7 @@ from scenarios.study.one_sequence import Audience, SequenceTask, run_one, veloci
 from scenarios.study.results import Sequence
 from scenarios.study.watcher import make_watcher
 from sim import CrossingConfig
-from tests.scenarios.pipeline.test_repeats import CROSSING, samples
+from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 from tests.scenarios.study.hand_made import a_sequence
 
 TASK = SequenceTask(CrossingConfig(), methods=(FLY, FRAME_FLY), seeds=(3, 8))
@@ -23,7 +23,7 @@ TASK = SequenceTask(CrossingConfig(), methods=(FLY, FRAME_FLY), seeds=(3, 8))
 @pytest.fixture(scope="module")
 def seen() -> Sequence:
     audience = Audience(TASK)
-    for sample in samples():
+    for sample in bar_samples():
         audience.show(sample)
     audience.end()
     return audience.result(CROSSING)
@@ -42,7 +42,7 @@ def test_every_method_and_seed_has_a_run(seen: Sequence) -> None:
 
 def test_chunks_change_nothing_of_what_is_said(seen: Sequence) -> None:
     sensor, watcher = Davis346(TASK.sensor, seed=8), make_watcher(FLY, 8, width=346, height=260)
-    for sample in samples():
+    for sample in bar_samples():
         output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         watcher.watch(output.events, output.aps_frames, until_us=sample.t_us + 1)
     (run,) = (run for run in seen.runs if (run.seed, run.method) == (8, FLY))
@@ -85,7 +85,7 @@ def test_drawing_ahead_is_a_part_of_progress(
 ) -> None:
     monkeypatch.setattr(one_sequence, "make_crossing", lambda *_: CROSSING)
     monkeypatch.setattr(type(CROSSING), "draw_ahead", lambda _: iter(ahead_us))
-    monkeypatch.setattr(type(CROSSING), "samples", lambda _: samples())
+    monkeypatch.setattr(type(CROSSING), "samples", lambda _: bar_samples())
     told: list[float] = []
     run_one(replace(TASK, seeds=(3,)), lambda done, whole: told.append(done / whole))
     assert told == sorted(told)
