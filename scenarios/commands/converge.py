@@ -29,8 +29,7 @@ class Converge:
     """Measure how events converge as rendering gets finer."""
 
     lighting: Literal["day", "dusk", "night", "both"] = "both"
-    """day: sun and sky. dusk: sky and street lamps. night: street lamps and headlights.
-    both: day, then night."""
+    """day: sun, sky. dusk: sky, street lamps. night: street lamps, headlights. both: day, night."""
     vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
     """Kind of vehicle."""
     direction: Literal["right", "left", "up", "down"] = "right"
@@ -41,9 +40,11 @@ class Converge:
     """Other things that move or flicker."""
     piece_px: float = 3.0
     """Length of the rendered piece, as motion of the vehicle [px], 1 to 64."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the table as CSV; an earlier result in it is replaced.
-    Default: nothing is written."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(metavar="DIR", help_behavior_hint="(default: nothing is written)"),
+    ] = None
+    """Folder for the table as CSV; an earlier result in it is replaced."""
 
     def execute(self) -> int:
         """Render, compare, print, and write the table if `--out` is given."""

@@ -32,16 +32,20 @@ class Envelope:
     """Detector: fly, wide, or a class of your own as package.module:Class; give one or more."""
     full: bool = False
     """Draw every point ten times instead of twice."""
-    seeds: int | None = None
-    """Number of drawings of every point, 1 or more; overrides --full. Default: 2."""
+    seeds: Annotated[
+        int | None, tyro.conf.arg(metavar="INT", help_behavior_hint="(default: 2)")
+    ] = None
+    """Number of drawings of every point, 1 or more; overrides --full."""
     speeds: tuple[float, ...] = SPEEDS_PX_S
     """Image speeds [px/s], 1 to 20000."""
     noises: tuple[float, ...] = NOISES_HZ
     """Noise rates per pixel [Hz], 0 to 1000."""
     cross: tuple[Factor, ...] = ("direction",)
     """Factors to measure at every speed and noise; others are measured at every speed."""
-    only: tuple[Factor, ...] | None = None
-    """Factors to vary, besides those of --cross. Default: all factors."""
+    only: Annotated[
+        tuple[Factor, ...] | None, tyro.conf.arg(help_behavior_hint="(default: all factors)")
+    ] = None
+    """Factors to vary, besides those of --cross."""
     jobs: int = -1
     """Number of processes, 1 or more; -1: one per core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/envelope")

@@ -34,14 +34,24 @@ _CONSOLE_WIDTH = 1_000
 class Sweep:
     """Run all points of a grid or a random sample, and write one table."""
 
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE.toml")] = None
+    file: Annotated[
+        tyro.conf.Positional[Path | None],
+        tyro.conf.arg(metavar="FILE.toml", help_behavior_hint=""),
+    ] = None
     """File that says what to vary. Examples are in scenarios/sweep/examples."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Output folder; an interrupted sweep in it is resumed.
-    Default: logs/sweep/ and the name of the file."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR", help_behavior_hint="(default: logs/sweep/ and the name of the file)"
+        ),
+    ] = None
+    """Output folder; an interrupted sweep in it is resumed."""
     jobs: int = ONE_PER_CORE
     """Number of processes, 1 or more; -1: one per core."""
-    dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    dask: Annotated[
+        str | None,
+        tyro.conf.arg(metavar="ADDRESS", help_behavior_hint="(default: no cluster)"),
+    ] = None
     """Run on a Dask cluster: address of its scheduler, such as tcp://127.0.0.1:8786."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Check the file and print its points, but render and write nothing."""

@@ -39,8 +39,10 @@ class VelocitySweep:
 
     lighting: Literal["day", "night", "both"] = "day"
     """day: sun and sky. night: street lamps and headlights. both: day, then night."""
-    omegas: tuple[float, ...] = ()
-    """Angular velocities [rad/s], 0.05 to 10. Default: the paper's four."""
+    omegas: Annotated[
+        tuple[float, ...], tyro.conf.arg(help_behavior_hint="(default: the paper's four)")
+    ] = ()
+    """Angular velocities [rad/s], 0.05 to 10."""
     direction: Literal["right", "left", "up", "down"] = "right"
     """Direction in which the vehicle moves in the image."""
     method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
@@ -53,9 +55,11 @@ class VelocitySweep:
     """Greatest motion in the image between two samples [px], 0.05 to 8."""
     supersample: int = CrossingConfig.supersample
     """Rendered sub-pixels per pixel along each axis, 1 to 8."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the table and the figure; an earlier result in it is replaced.
-    Default: nothing is written."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(metavar="DIR", help_behavior_hint="(default: nothing is written)"),
+    ] = None
+    """Folder for the table and the figure; an earlier result in it is replaced."""
     light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def execute(self) -> int:
@@ -80,8 +84,8 @@ class VelocitySweep:
     def _configs(self) -> Iterator[RunConfig]:
         if not 1 <= self.seeds <= MAX_SEEDS:
             raise ScenarioError(
-                f"--seeds is {self.seeds}. Allowed is a whole number from 1 to {MAX_SEEDS}. Ten "
-                "show how much the noise matters."
+                f"--seeds is {self.seeds}. Allowed is a whole number from 1 to {MAX_SEEDS}. "
+                "Use about ten to see the effect of the noise."
             )
         names = ("day", "night") if self.lighting == "both" else (self.lighting,)
         for lighting in map(Lighting, names):
