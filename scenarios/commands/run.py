@@ -19,8 +19,9 @@ from scenarios.output.terminal import progress_bar, script
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
+from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, make_extra_detectors, run_sequence
+from scenarios.runs.sequence import EventsFormat, run_sequence
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DISTANCE_M, PAPER_OMEGA_RAD_S
 

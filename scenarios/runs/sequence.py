@@ -12,7 +12,6 @@ from detector.fly.detector import FlyMaps
 from emulator import SensorOutput
 from formats import ENDINGS, EventWriter, open_writer
 from formats.writers.dsec import DsecWriter
-from scenarios.errors import ScenarioError
 from scenarios.output.folder import (
     ESTIMATES,
     EVENTS,
@@ -28,11 +27,9 @@ from scenarios.output.tables import (
     truth_row,
     write_table,
 )
-from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import (
     TOTAL,
-    Step,
     Stopwatch,
     add_truth,
     make_crossing,
@@ -41,63 +38,14 @@ from scenarios.pipeline.running import (
 )
 from scenarios.pipeline.scoring import Track, score_estimates
 from scenarios.pipeline.summary import EventTally, summarise
-from scenarios.pipeline.user_detectors import find_method
 from scenarios.recording import SequenceRecorder
+from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
 from sim import Crossing, LuminanceCache
 
 Progress = Callable[[int, int], None]
 """Called with the time reached and the duration of the sequence [µs]."""
 EventsFormat = Literal["aedat4", "evt3", "text", "csv", "npz"]
 """Formats of further event files, besides DSEC's HDF5; see `formats.WRITERS`."""
-
-
-class ExtraDetector:
-    """A further detector that gets the events and frames of a run.
-
-    Attributes:
-        method: name of the detector.
-        detector: the detector.
-        estimates: all estimates so far.
-    """
-
-    def __init__(self, method: str, config: RunConfig) -> None:
-        """Create a fresh detector for the sensor of a run.
-
-        Raises:
-            MethodError: the method does not exist, or does not follow the protocol.
-        """
-        size = {"width": config.sensor.width, "height": config.sensor.height}
-        self.method, self.detector = method, find_method(method).make(**size)
-        self.estimates: list[MotionEstimate] = []
-
-    def process(self, step: Step) -> list[MotionEstimate]:
-        """Pass the sensor's output to the detector, and return the new estimates."""
-        new = feed(
-            self.detector,
-            step.output.events,
-            until_us=step.sample.t_us + 1,
-            frames=step.output.aps_frames,
-            earlier=self.estimates,
-        )
-        self.estimates += new
-        return new
-
-
-def make_extra_detectors(config: RunConfig, also: Sequence[str]) -> list[ExtraDetector]:
-    """Return fresh detectors for the methods of `--also`.
-
-    Raises:
-        ScenarioError: a method is named twice.
-        MethodError: a method does not exist, or does not follow the protocol.
-    """
-    names = [config.method, *also]
-    for n, name in enumerate(names):
-        if name in names[:n]:
-            raise ScenarioError(
-                f"--also names {name}, which runs already. Allowed is each method once. Leave it "
-                "out."
-            )
-    return [ExtraDetector(method, config) for method in also]
 
 
 def run_sequence(

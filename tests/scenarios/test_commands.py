@@ -94,7 +94,7 @@ def test_a_sweep_prints_truth_and_estimate_and_writes_what_it_is_asked_to(
 
 @pytest.mark.parametrize("seeds", [0, 101])
 def test_a_sweep_of_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
-    with pytest.raises(ScenarioError, match=f"--seeds is {seeds}; allowed is 1 to 100"):
+    with pytest.raises(ScenarioError, match=rf"--seeds is {seeds}\. Allowed is .* from 1 to 100"):
         VelocitySweep(seeds=seeds).execute()
 
 

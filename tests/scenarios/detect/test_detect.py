@@ -137,12 +137,12 @@ def test_an_interrupted_copy_leaves_a_sentence_and_nothing_else(
         ({"method": "frame-fly"}, "looks at frames, and .* holds none; choose another"),
         ({"size": "346"}, "--size is '346'; .* write it as --size 346x260"),
         ({"size": "20x20"}, r"allowed is 0 to 19; .* --size"),
-        ({"time_scale": 0.0}, "--time-scale is 0.0; allowed is 0.001 to 1000"),
+        ({"time_scale": 0.0}, "--time-scale is 0.0. Allowed is a number from 0.001 to 1000"),
         ({"time_scale": 3000.0}, "--time-scale is 3000.0"),
         ({"rrd": Path("no/folder/a.rrd")}, "--rrd no/folder/a.rrd has no folder .* make"),
         ({"rrd": Path("a.png")}, "allowed is a name that ends in .rrd"),
         ({"plot": Path("a.pdf")}, "allowed is a name that ends in .png"),
-        ({"method": "tests.detector.test_fly:Nobody", "scale_to_sensor": True}, "no class Nobody"),
+        ({"method": "scenarios:Nobody", "scale_to_sensor": True}, "no class Nobody"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_sentence(
