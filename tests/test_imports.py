@@ -39,7 +39,7 @@ LAYERS = {
     ),
     "scenarios": (
         "errors options output pipeline options.method recording runs datasheet convergence "
-        "detect emulate envelope sweep study commands cli"
+        "detect emulate envelope sweep velocity_sweep study commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

@@ -27,7 +27,7 @@ from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import EVENTS
 from scenarios.output.terminal import run_cli
 from scenarios.pipeline.registry import FLY
-from scenarios.pipeline.scaled_detectors import Scaled, make_scaled
+from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
 
@@ -87,7 +87,9 @@ class Detect:
         self._print_outputs()
         return 0
 
-    def _read(self, file: EventFile, scaled: Scaled, printer: EstimatePrinter) -> RecordingVerdict:
+    def _read(
+        self, file: EventFile, scaled: ScaledDetector, printer: EstimatePrinter
+    ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
         verdict, plot_data = RecordingVerdict(), PlotData()
         with ExitStack() as stack:
@@ -108,7 +110,7 @@ class Detect:
         return verdict
 
     def _recorder(
-        self, stack: ExitStack, file: EventFile, scaled: Scaled
+        self, stack: ExitStack, file: EventFile, scaled: ScaledDetector
     ) -> Callable[[RecordingSlice], None]:
         """Return a function that logs slices; it opens the recorder at the first slice."""
         assert self.rrd is not None
@@ -136,12 +138,12 @@ class Detect:
     def _title(self, file: EventFile) -> str:
         return f"{file.path.name}, {self.method}"
 
-    def _parameters(self, file: EventFile, scaled: Scaled) -> dict[str, object]:
+    def _parameters(self, file: EventFile, scaled: ScaledDetector) -> dict[str, object]:
         changes = {f"scaled.{name}": value for name, value in scaled.changes.items()}
         facts = {"file": file.path.name, "format": file.format, "method": self.method}
         return {**facts, "width": file.width, "height": file.height, **changes}
 
-    def _make_detector(self, file: EventFile) -> Scaled:
+    def _make_detector(self, file: EventFile) -> ScaledDetector:
         scaled = make_scaled(
             self.method,
             width=file.width,

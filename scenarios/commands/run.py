@@ -20,8 +20,9 @@ from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
+from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, make_rivals, run_sequence
+from scenarios.runs.sequence import EventsFormat, run_sequence
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DISTANCE_M, ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
@@ -156,7 +157,7 @@ class Run:
         folder = self.out or LOGS / f"{config.name}{others and '_also'}{others}"
         check_output_folder(folder)
         make_detector(config)
-        make_rivals(config, self.also)
+        make_extra_detectors(config, self.also)
         with progress_bar() as progress:
             summary = run_sequence(
                 config,

@@ -17,7 +17,7 @@ from scenarios.options.method import MethodNames
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
-from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.summary import versions
 from scenarios.study.claims.all_claims import evaluate_claims
@@ -65,7 +65,7 @@ class Study:
     """Largest motion of anything in the image between two samples [px]."""
     supersample: int = CrossingConfig.supersample
     """Rendered points per pixel along each axis."""
-    jobs: int = ONE_A_CORE
+    jobs: int = ONE_PER_CORE
     """Number of parallel processes; -1: one for each core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
     """Output folder. Replaces an earlier output of flybench."""

@@ -65,11 +65,13 @@ def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice
             shifted_frames = _shifted_frames(frames, start_us, now_us)
             ends = [frame.end_us for frame in shifted_frames]
             now_us = max([now_us, *ends, *shifted["t"][-1:].tolist()])
-            estimates = feed(detector, shifted, until_us=now_us, frames=shifted_frames, said=last)
+            estimates = feed(
+                detector, shifted, until_us=now_us, frames=shifted_frames, earlier=last
+            )
             last = tuple(estimates[-1:]) or last
             yield _recording_slice(events, frames, estimates, detector, start_us)
     if start_us is not None:
-        estimates = feed(detector, empty_events(), until_us=now_us + 1, said=last)
+        estimates = feed(detector, empty_events(), until_us=now_us + 1, earlier=last)
         yield _recording_slice(empty_events(), (), estimates, detector, start_us)
 
 

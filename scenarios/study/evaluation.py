@@ -14,8 +14,8 @@ from emulator import ApsFrame, Davis346, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.pipeline.registry import gives_velocity
-from scenarios.pipeline.running import note
-from scenarios.pipeline.scoring import SETTLING_US, Track, judge
+from scenarios.pipeline.running import add_truth
+from scenarios.pipeline.scoring import SETTLING_US, Track, score_estimates
 from scenarios.recording import SequenceRecorder
 from scenarios.study.results import MethodRun, SequenceResult
 from scenarios.study.snapshots import SnapshotCollector
@@ -61,7 +61,7 @@ class SequenceEvaluation:
         Each sensor sees a whole chunk before the next sensor does, so that its state stays in the
         processor's caches.
         """
-        note(self._track, sample.truth)
+        add_truth(self._track, sample.truth)
         if not self._velocity or sample.t_us >= self._velocity[-1][0] + CHUNK_US:
             velocity_px_s = float(sample.truth.image_velocity_px_s[0])
             self._velocity.append((sample.t_us, velocity_px_s))
@@ -131,7 +131,9 @@ class SequenceEvaluation:
                 method=run.method,
                 seed=run.seed,
                 estimates=tuple(run.estimates),
-                scores=judge(run.estimates, result.direction, result.in_view_us, self._track),
+                scores=score_estimates(
+                    run.estimates, result.direction, result.in_view_us, self._track
+                ),
                 velocity_error_px_s=rms,
                 cpu_s=run.cpu_s,
                 events=run.events,

@@ -45,7 +45,7 @@ class MethodRun:
         seed: seed of the sensor.
         estimates: all estimates.
         scores: comparison of the estimates with the ground truth, see
-            `scenarios.pipeline.scoring.judge`.
+            `scenarios.pipeline.scoring.score_estimates`.
         velocity_error_px_s: root mean square error of the horizontal velocity, over the steps after
             100 ms in view that name a direction [px/s]; None if the method gives no velocity, or if
             there is no such step.

@@ -52,7 +52,7 @@ COLUMNS = (
 - image_speed_px_s: image speed of the vehicle at closest approach.
 - truth: true direction.
 - verdict: direction that the method finds over the whole crossing.
-- accuracy to latency_ms, and grms: see `scenarios.pipeline.scoring.judge`.
+- accuracy to latency_ms, and grms: see `scenarios.pipeline.scoring.score_estimates`.
 - response_mean: HS or VS along the true direction, mean over the steps after 100 ms.
 - response_variation: standard deviation of that response over its mean; None if the mean is not
   above 0.

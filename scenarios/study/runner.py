@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from scenarios.pipeline.parallel import run_here
+from scenarios.pipeline.parallel import run_locally
 from scenarios.study.one_sequence import SequenceTask, run_sequence
 from scenarios.study.results import SequenceResult
 from scenarios.study.shared_progress import SharedProgress
@@ -54,7 +54,7 @@ def run_sequences(
         numbered = [_NumberedTask(n, tasks[n], shared, is_alone) for n in order]
         with shared.forwarded_to(progress), warnings.catch_warnings():
             warnings.filterwarnings("ignore", message=_REPLACED)
-            for at, result in run_here(_run, numbered, jobs=jobs):
+            for at, result in run_locally(_run, numbered, jobs=jobs):
                 results[order[at]] = result
     return [results[n] for n in range(len(tasks))]
 

@@ -81,7 +81,7 @@ class TimedDetector:
         """
         start_s = time.thread_time()
         estimates = feed(
-            self.detector, events, until_us=until_us, frames=frames, said=self.estimates[-1:]
+            self.detector, events, until_us=until_us, frames=frames, earlier=self.estimates[-1:]
         )
         self.cpu_s += time.thread_time() - start_s
         self.events += events.size

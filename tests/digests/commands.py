@@ -18,7 +18,6 @@ import numpy as np
 from emulator import SensorConfig
 from emulator.characterisation import EXPERIMENTS, Datasheet
 from formats import Chunk, read_events, write_events
-from scenarios.commands.converge import COLUMNS, Drawing, converge
 from scenarios.commands.detect import Detect
 from scenarios.commands.emulate import Emulate
 from scenarios.commands.envelope import Envelope
@@ -26,6 +25,7 @@ from scenarios.commands.run import Run
 from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
 from scenarios.commands.velocity_sweep import VelocitySweep
+from scenarios.convergence.measure import COLUMNS, Rendering, measure_convergence
 from scenarios.datasheet.json_export import datasheet_dict
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.event_camera import EventCamera
@@ -170,13 +170,17 @@ def characterised(name: str) -> list[float]:
 
 
 def converged() -> Any:
-    """How events of two drawings approach those of a third, by day and night."""
-    ways = (Drawing("full", 2, 0.5), Drawing("full", 1, 0.5), Drawing("keyframes", 1, 0.5, 8.0))
-    clock = COLUMNS.index("cpu_ms_a_sample") - 1
+    """How events of two renderings approach those of a third, by day and night."""
+    renderings = (
+        Rendering("full", 2, 0.5),
+        Rendering("full", 1, 0.5),
+        Rendering("keyframes", 1, 0.5, 8.0),
+    )
+    clock = COLUMNS.index("cpu_ms_a_sample")
     return [
         [*row[:clock], *row[clock + 1 :]]
         for lighting in (Lighting.DAY, Lighting.NIGHT)
-        for row in converge(CrossingConfig(lighting=lighting), 1.0, ways)
+        for row in measure_convergence(CrossingConfig(lighting=lighting), 1.0, renderings)
     ]
 
 

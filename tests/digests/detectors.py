@@ -60,7 +60,7 @@ def said(detector: Detector) -> list[MotionEstimate]:
     until_us = 1
     for output in stream():
         estimates += feed(
-            detector, output.events, until_us=until_us, frames=output.aps_frames, said=estimates
+            detector, output.events, until_us=until_us, frames=output.aps_frames, earlier=estimates
         )
         until_us += 2_000
     return estimates

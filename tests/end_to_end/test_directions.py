@@ -4,8 +4,8 @@ import pytest
 
 from flybench.direction import CARDINAL, Direction
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import Stopwatch, make_crossing, make_detector, note, run_steps
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
+from scenarios.pipeline.scoring import Track, score_estimates
 from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
@@ -27,9 +27,9 @@ def test_the_fly_reports_the_right_direction(lighting: Lighting, direction: Dire
     crossing, detector = make_crossing(config), make_detector(config)
     track, estimates = Track(), []
     for step in run_steps(config, crossing, detector, Stopwatch()):
-        note(track, step.sample.truth)
+        add_truth(track, step.sample.truth)
         estimates += step.estimates
-    found = judge(estimates, direction, track.in_view_us, track)
+    found = score_estimates(estimates, direction, track.in_view_us, track)
     # By day single estimates are wrong while a slanted edge passes: 1 in 112 leftwards.
     assert found["accuracy_after_100ms"] > 0.97
     assert found["opposite_after_100ms"] == 0

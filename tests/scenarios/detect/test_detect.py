@@ -19,7 +19,7 @@ from scenarios.commands.detect import Detect
 from scenarios.commands.view import MAGIC
 from scenarios.output.terminal import execute
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
-from tests.scenarios.reading import Reading
+from tests.scenarios.rrd_contents import RrdContents
 
 SIZE: Any = {"width": 346, "height": 260}
 
@@ -75,7 +75,7 @@ def test_with_json_standard_output_is_one_document(
 
 
 def _check_recording(rrd: Path, steps: list[dict[str, Any]], events: int) -> None:
-    reading = Reading(rrd)
+    reading = RrdContents(rrd)
     logged = reading.rows("/response/hs/fly", "Scalars:scalars")
     assert [value for _, (value,) in logged] == pytest.approx([step["hs"] for step in steps])
     assert [t for t, _ in logged] == pytest.approx([step["t_us"] * 1e-6 for step in steps])

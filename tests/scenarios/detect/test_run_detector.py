@@ -17,7 +17,7 @@ from formats import Chunk
 from scenarios.detect.run_detector import RecordingSlice, run_detector
 from scenarios.recording import FileRecorder, stream_recorder
 from tests.detector.moving_dots import texture
-from tests.scenarios.reading import Reading
+from tests.scenarios.rrd_contents import RrdContents
 
 
 def slices(chunks: Sequence[Chunk] | Iterator[Chunk], detector: Any) -> list[RecordingSlice]:
@@ -105,7 +105,7 @@ def test_a_long_recording_is_written_in_constant_memory(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """20 s: at most some thousand rows are in memory at a time, and all are in the file."""
-    monkeypatch.setattr(stream_recorder, "MOST_ROWS", 1000)
+    monkeypatch.setattr(stream_recorder, "MAX_ROWS", 1000)
     events = np.zeros(200, EVENT_DTYPE)
     most, rows = 0, 0
 
@@ -117,7 +117,7 @@ def test_a_long_recording_is_written_in_constant_memory(
     options: Any = {"width": 346, "height": 260, "has_maps": False, "has_frames": False}
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="stateless", name="long", parameters={}, **options) as recorder:
-        recorder._events._enough = 500
+        recorder._events._chunk_events = 500
         for part in run_detector(chunks(), StatelessDetector()):  # type: ignore[arg-type]
             recorder.log_events(part.events)
             for estimate in part.estimates:
@@ -126,7 +126,7 @@ def test_a_long_recording_is_written_in_constant_memory(
             most = max(most, recorder._columns.rows)
     assert rows == 1999
     assert most < 2500
-    reading = Reading(path)
+    reading = RrdContents(path)
     assert len(reading.rows("/response/hs/stateless", "Scalars:scalars")) == rows
     assert len(reading.rows("/event_rate/on", "Scalars:scalars")) == 20_001
     assert len(reading.rows("/direction/1_stateless", "StateChange:state")) == 1
@@ -139,6 +139,6 @@ def test_a_pause_of_hours_needs_few_rows(tmp_path: Path) -> None:
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="stateless", name="pause", parameters={}, **options) as recorder:
         recorder.log_events(events)
-    rows = Reading(path).rows("/event_rate/off", "Scalars:scalars")
+    rows = RrdContents(path).rows("/event_rate/off", "Scalars:scalars")
     assert len(rows) < 20
     assert [t for t, (rate,) in rows if rate == 1.0] == pytest.approx([0.002, 3600.001])

@@ -11,7 +11,7 @@ from detector.estimate import MotionEstimate
 from detector.metrics import Box
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, gives_velocity
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.scoring import Track, score_estimates
 from scenarios.study.results import MethodRun, SequenceResult, Snapshot
 
 METHODS = (FLY, FRAME_FLY, CONTRAST)
@@ -60,7 +60,7 @@ def make_run(method: str, seed: int, *, hs: float = 0.5, speed_px_s: float = 400
         method=method,
         seed=seed,
         estimates=tuple(estimates),
-        scores=judge(estimates, "right", IN_VIEW_US, track),
+        scores=score_estimates(estimates, "right", IN_VIEW_US, track),
         velocity_error_px_s=3.0 + seed if gives_velocity(method) and hs else None,
         cpu_s=0.01 * (1 + seed),
         events=1000,

@@ -13,7 +13,7 @@ from scenarios.study.evaluation import SequenceEvaluation, velocity_errors
 from scenarios.study.results import SequenceResult
 from scenarios.study.timed_detector import make_timed_detector
 from sim import CrossingConfig
-from tests.scenarios.pipeline.test_repeats import CROSSING, samples
+from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 from tests.scenarios.study.synthetic_results import make_sequence
 
 SENSOR = SensorConfig()
@@ -27,7 +27,7 @@ def result() -> SequenceResult:
         for seed in (3, 8)
     }
     evaluation = SequenceEvaluation(CrossingConfig(), SENSOR, detectors)
-    for sample in samples():
+    for sample in bar_samples():
         evaluation.add(sample)
     evaluation.finish()
     return evaluation.result(CROSSING)
@@ -46,7 +46,7 @@ def test_every_method_and_seed_has_a_run(result: SequenceResult) -> None:
 
 def test_estimates_do_not_depend_on_chunks(result: SequenceResult) -> None:
     sensor, detector = Davis346(SENSOR, seed=8), make_timed_detector(FLY, 8, **SIZE)
-    for sample in samples():
+    for sample in bar_samples():
         output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         detector.process(output.events, output.aps_frames, until_us=sample.t_us + 1)
     (run,) = (run for run in result.runs if (run.seed, run.method) == (8, FLY))

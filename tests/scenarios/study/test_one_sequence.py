@@ -6,7 +6,7 @@ from scenarios.pipeline.registry import FLY, FRAME_FLY
 from scenarios.study import one_sequence
 from scenarios.study.one_sequence import SequenceTask, run_sequence
 from sim import CrossingConfig
-from tests.scenarios.pipeline.test_repeats import CROSSING, samples
+from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 
 TASK = SequenceTask(CrossingConfig(), methods=(FLY, FRAME_FLY), seeds=(3,))
 
@@ -17,7 +17,7 @@ def test_rendering_ahead_is_a_part_of_the_progress(
 ) -> None:
     monkeypatch.setattr(one_sequence, "make_crossing", lambda *_: CROSSING)
     monkeypatch.setattr(type(CROSSING), "render_ahead", lambda _: iter(ahead_us))
-    monkeypatch.setattr(type(CROSSING), "samples", lambda _: samples())
+    monkeypatch.setattr(type(CROSSING), "samples", lambda _: bar_samples())
     progress: list[float] = []
     run_sequence(TASK, lambda done, whole: progress.append(done / whole))
     assert progress == sorted(progress)

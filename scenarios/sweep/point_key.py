@@ -1,4 +1,4 @@
-"""The code that a result is of: another version, or an edited file, makes another result."""
+"""Key of a finished point: a digest of everything that determines its result."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from scenarios.pipeline.summary import versions
 
 @cache
 def code_digest() -> str:
-    """Digest of this process's versions, and of the sources that results depend on."""
+    """Return a digest of this process's versions and of the sources that determine a result."""
     digest = hashlib.sha256(json.dumps(versions(), sort_keys=True).encode())
     digest.update(sources_digest(*SWEEP_POINT).encode())
     return digest.hexdigest()
 
 
 def point_key(config: RunConfig) -> str:
-    """Digest of all that a point's result depends on, but for the machine it is computed on.
+    """Return a digest of everything that determines a point's result, except the machine.
 
-    Of a detector of one's own, the file that holds its class is among it; what that file imports
-    is not.
+    It covers the file of a user's detector class, but not what that file imports.
     """
-    said = {"parameters": config.parameters(), "code": code_digest()}
-    said["method"] = _method_digest(config.method)
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
+    inputs = {"parameters": config.parameters(), "code": code_digest()}
+    inputs["method"] = _method_digest(config.method)
+    return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
 
 @cache
 def _method_digest(method: str) -> str:
+    """Return a digest of the file of a user's detector; empty for a built-in one."""
     module, colon, _ = method.partition(":")
     if not colon:
         return ""

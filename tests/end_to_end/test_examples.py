@@ -1,4 +1,4 @@
-"""The examples run."""
+"""The scripts in `examples` run."""
 
 import importlib.util
 import subprocess
@@ -12,7 +12,7 @@ import pytest
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
 
-def ran(script: str, *arguments: str, folder: Path) -> str:
+def run_example(script: str, *arguments: str, folder: Path) -> str:
     done = subprocess.run(
         [sys.executable, "-W", "error", str(EXAMPLES / script), *arguments],
         cwd=folder,
@@ -25,30 +25,30 @@ def ran(script: str, *arguments: str, folder: Path) -> str:
     return done.stdout
 
 
-def test_a_robot_arm(tmp_path: Path) -> None:
-    said = ran(
+def test_the_robot_arm_writes_a_picture(tmp_path: Path) -> None:
+    printed = run_example(
         *("robot_arm/arm.py", "--seconds", "0.04", "--step-px", "8", "--picture", "arm.png"),
         folder=tmp_path,
     )
-    assert "events" in said
+    assert "events" in printed
     picture = cv2.imread(str(tmp_path / "arm.png"))
     assert picture is not None
     assert picture.std() > 20
 
 
-def test_peers_see_the_same_picture(tmp_path: Path) -> None:
+def test_other_libraries_make_the_same_picture(tmp_path: Path) -> None:
     pytest.importorskip("tonic")
     pytest.importorskip("dv_processing")
-    said = ran("peers.py", "--picture", "peers.png", folder=tmp_path)
-    assert said.splitlines()[-1] == "the same picture"
-    assert "tonic 1." in said
-    assert "dv-processing 2." in said
+    printed = run_example("peers.py", "--picture", "peers.png", folder=tmp_path)
+    assert printed.splitlines()[-1] == "the same picture"
+    assert "tonic 1." in printed
+    assert "dv-processing 2." in printed
     picture = cv2.imread(str(tmp_path / "peers.png"))
     assert picture is not None
     assert picture.std() > 20
 
 
-def test_peers_would_tell_a_difference(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_comparison_notices_one_moved_event(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("tonic")
     pytest.importorskip("dv_processing")
     spec = importlib.util.spec_from_file_location("peers", EXAMPLES / "peers.py")

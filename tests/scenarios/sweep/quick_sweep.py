@@ -1,4 +1,4 @@
-"""A sweep whose points cost nothing, run in a process of its own that may be killed."""
+"""Sweeps whose points take no time, for tests that interrupt them."""
 
 import hashlib
 import multiprocessing
@@ -8,17 +8,17 @@ from functools import partial
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
-from scenarios.pipeline.parallel import run_here, run_on_cluster
+from scenarios.pipeline.parallel import run_locally, run_on_cluster
 from scenarios.sweep.folder import JOURNAL
 from scenarios.sweep.measure import Failure, Results, Task
 from scenarios.sweep.plan import read_plan
-from scenarios.sweep.run import Done, run_sweep
+from scenarios.sweep.run import SweepResult, run_sweep
 
 POINT_S, SLOW_S = 0.02, 0.05
 
 
-def cheap(task: Task, point_s: float = POINT_S) -> list[Results | Failure]:
-    """Numbers that depend on the whole configuration, and on nothing else."""
+def quick_results(task: Task, point_s: float = POINT_S) -> list[Results | Failure]:
+    """Return made-up results that depend on the whole configuration and nothing else."""
     results: list[Results | Failure] = []
     for config in task.configs:
         time.sleep(point_s)
@@ -28,28 +28,28 @@ def cheap(task: Task, point_s: float = POINT_S) -> list[Results | Failure]:
     return results
 
 
-def broken(task: Task) -> list[Results | Failure]:
-    """Fails for the seed 1."""
-    found = zip(task.configs, cheap(task), strict=True)
-    return [Failure("no luck") if config.seed == 1 else result for config, result in found]
+def fail_for_seed_1(task: Task) -> list[Results | Failure]:
+    """Return a failure for seed 1 and `quick_results` for all others."""
+    pairs = zip(task.configs, quick_results(task), strict=True)
+    return [Failure("no luck") if config.seed == 1 else result for config, result in pairs]
 
 
-def refused(task: Task) -> list[Results | Failure]:
-    raise AssertionError("nothing was to be measured")
+def must_not_run(task: Task) -> list[Results | Failure]:
+    raise AssertionError("a point was measured")
 
 
-def sweep_alone(file: Path, folder: Path) -> Done:
-    """In this process, one point after the other."""
-    return run_sweep(read_plan(file), folder, partial(run_here, jobs=1), measure=cheap)
+def sweep_in_process(file: Path, folder: Path) -> SweepResult:
+    """Run a sweep in this process, one point after another."""
+    return run_sweep(read_plan(file), folder, partial(run_locally, jobs=1), measure=quick_results)
 
 
 def sweep_on_cluster(file: Path, folder: Path, address: str) -> None:
     run = partial(run_on_cluster, address=address)
-    run_sweep(read_plan(file), folder, run, measure=partial(cheap, point_s=SLOW_S))
+    run_sweep(read_plan(file), folder, run, measure=partial(quick_results, point_s=SLOW_S))
 
 
 def start(target: Callable[..., object], *arguments: object) -> ForkServerProcess:
-    """Call a function of this module in a process that starts at once."""
+    """Call a function of this module in a new process."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([__name__])
     process = context.Process(target=target, args=arguments)
@@ -58,13 +58,13 @@ def start(target: Callable[..., object], *arguments: object) -> ForkServerProces
 
 
 def finished_points(folder: Path) -> int:
-    """Lines of the journal."""
+    """Return the number of lines in the journal."""
     path = folder / JOURNAL
     return path.read_bytes().count(b"\n") if path.exists() else 0
 
 
-class Bee:
-    """A detector of one's own that fails when it is used."""
+class FailingDetector:
+    """A user's detector that fails when it receives events."""
 
     def __init__(self, *, width: int, height: int) -> None:
         self.size = width, height
