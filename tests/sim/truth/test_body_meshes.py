@@ -98,7 +98,7 @@ def test_a_geom_without_triangles_is_refused() -> None:
         f"<mujoco><asset>{field}</asset>"
         '<worldbody><geom type="hfield" hfield="hills"/></worldbody></mujoco>'
     )
-    with pytest.raises(SceneConfigError, match=r"mjGEOM_HFIELD.*allowed are.*mjGEOM_BOX"):
+    with pytest.raises(SceneConfigError, match=r"mjGEOM_HFIELD.*Allowed are.*mjGEOM_BOX"):
         body_meshes(model)
 
 
