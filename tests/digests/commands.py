@@ -88,7 +88,7 @@ def numbers(value: Any) -> Iterator[float]:
 
 
 def study() -> Any:
-    """Table and figures of a small study by day and night."""
+    """Table of a small study by day and night."""
     methods = (FLY, WIDE, FRAME_FLY, CONTRAST, PLANE_FIT)
     return written(
         lambda out: Study(
@@ -104,8 +104,6 @@ def study() -> Any:
             cache=NO_CACHE,
         ).execute(),
         "results.csv",
-        "figures/day.png",
-        "figures/night.png",
     )
 
 
@@ -147,7 +145,7 @@ def velocity_sweep() -> Any:
 
 
 def envelope() -> Any:
-    """Table and a figure of a small envelope."""
+    """Table of a small envelope."""
     return written(
         lambda out: Envelope(
             method=(FLY, WIDE),
@@ -158,7 +156,6 @@ def envelope() -> Any:
             out=out,
         ).execute(),
         "envelope.csv",
-        "comparison.png",
     )
 
 
@@ -212,7 +209,7 @@ def emulated() -> Any:
 
 
 def detected() -> Any:
-    """What is said of a file, and what was found in it."""
+    """Numbers of the estimates and verdicts on a file."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "events.aedat4"
         chunks = [Chunk(output.events, output.aps_frames) for output in stream()]
@@ -224,9 +221,7 @@ def detected() -> Any:
         ):
             with redirect_stdout(StringIO()) as printed, redirect_stderr(StringIO()):
                 command.execute()
-            told = json.loads(printed.getvalue())
-            del told["file"]["name"]
-            found.append(told)
+            found.append(list(numbers(json.loads(printed.getvalue()))))
         return found
 
 
