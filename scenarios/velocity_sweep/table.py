@@ -32,7 +32,7 @@ def print_rows(rows: Sequence[Row]) -> None:
         title = f"{lighting}, moving {own[0]['truth']}, method {own[0]['method']}, seeds: {seeds}"
         table = Table(title=title, title_justify="left", pad_edge=False)  # fits into 80 columns
         for name in COLUMNS:
-            table.add_column(name, no_wrap=True)
+            table.add_column(name, no_wrap=name != "verdict")
         for omega in dict.fromkeys(row["omega_rad_s"] for row in own):
             table.add_row(*_cells([row for row in own if row["omega_rad_s"] == omega]))
         Console().print(table)
