@@ -15,11 +15,11 @@ COLUMNS = (
     "rad/s",
     "px/s",
     "verdict",
-    "correct steps",
-    "after 100 ms",
-    "first correct",
+    "correct\nsteps",
+    "after\n100 ms",
+    "first\ncorrect",
     "IoU",
-    "centre error",
+    "centre\nerror",
     "GRMS\n[1/s]",
 )
 
@@ -30,9 +30,9 @@ def print_rows(rows: Sequence[Row]) -> None:
     for lighting in dict.fromkeys(row["lighting"] for row in rows):
         own = [row for row in rows if row["lighting"] == lighting]
         title = f"{lighting}, moving {own[0]['truth']}, method {own[0]['method']}, seeds: {seeds}"
-        table = Table(title=title, title_justify="left")
+        table = Table(title=title, title_justify="left", pad_edge=False)  # fits into 80 columns
         for name in COLUMNS:
-            table.add_column(name, no_wrap=" " not in name)
+            table.add_column(name, no_wrap=name != "verdict")
         for omega in dict.fromkeys(row["omega_rad_s"] for row in own):
             table.add_row(*_cells([row for row in own if row["omega_rad_s"] == omega]))
         Console().print(table)

@@ -20,7 +20,7 @@ def test_the_table_is_printed_and_written(
     assert Converge(lighting="day", piece_px=1.0, out=tmp_path / "out").execute() == 0
     printed = capsys.readouterr().out
     assert "day full 2×2" in printed
-    assert "day keyframes 1×1 / 8 px" in printed
+    assert "day keyframes" in printed
     with (tmp_path / "out" / "convergence.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert tuple(rows[0]) == ("lighting", *COLUMNS)
