@@ -42,25 +42,30 @@ class Distractors:
     """Distractors of a crossing.
 
     Attributes:
-        wind_grade: Beaufort number of the wind in the trees; 0 is calm.
-        far_vehicle: direction of a second vehicle in the far lane.
-        far_vehicle_kind: kind of the second vehicle.
-        far_vehicle_speed_m_s: its speed [m/s]; 10 is 36 km/h (assumed).
-        far_vehicle_lag_s: time after the target at which it passes the camera [s].
-        far_vehicle_reflectance: reflectance of its paint; 0.25 is a grey (assumed).
-        pedestrian: direction of a pedestrian on the pavement.
-        pedestrian_pavement: side of the street on which the pedestrian walks.
-        pedestrian_speed_m_s: walking speed [m/s]; 1.4 is usual (Bohannon 1997).
-        pedestrian_lag_s: time after the target at which the pedestrian passes the camera [s].
-        shake_rms_deg: root mean square rotation of the camera about each of its axes [deg]; 0.1
-            shifts the image of a DAVIS346 behind 6 mm by 0.57 px.
-        shake_corner_hz: corner frequency above which the shake falls off [Hz]; 4 is a tripod in
+        wind_grade: Beaufort number of the wind in the trees, 0 (calm) to 8.
+        far_vehicle: Direction of a second vehicle in the far lane, relative to the target.
+        far_vehicle_kind: Kind of the second vehicle.
+        far_vehicle_speed_m_s: Speed of the second vehicle, 0.5 to 40 [m/s]; 10 is 36 km/h
+            (assumed).
+        far_vehicle_lag_s: Time after the target at which the second vehicle passes the camera, −60
+            to 60 [s].
+        far_vehicle_reflectance: Paint reflectance of the second vehicle, 0.04 (black) to 0.8
+            (white); 0.25 is a grey (assumed).
+        pedestrian: Direction of a pedestrian on the pavement, relative to the target.
+        pedestrian_pavement: Side of the street on which the pedestrian walks; near is that of the
+            camera.
+        pedestrian_speed_m_s: Walking speed, 0.3 to 2.5 [m/s]; 1.4 is usual (Bohannon 1997).
+        pedestrian_lag_s: Time after the target at which the pedestrian passes the camera, −60 to 60
+            [s].
+        shake_rms_deg: Root mean square rotation of the camera about each of its axes, 0 to 3 [deg];
+            0.1 shifts the image of a DAVIS346 behind 6 mm by 0.57 px.
+        shake_corner_hz: Corner frequency above which the shake falls off [Hz]; 4 is a tripod in
             gusts or a hand-held camera (assumed).
-        flicker_hz: flicker rate of lamps on the mains [Hz]: 100 or 120; 0: no flicker.
-        flicker_depth: (max − min) / (max + min) of their output, as IEEE 1789-2015 defines it. An
-            incandescent lamp has about 0.1, a lamp that follows the current up to 1 (0.2 is
-            assumed).
-        seed: seed of the wind and the shake.
+        flicker_hz: Flicker rate of lamps on the mains: 100 or 120 [Hz]; 0 for no flicker.
+        flicker_depth: Depth of the flicker, 0 to 1: (max − min) / (max + min) of the output, as
+            IEEE 1789-2015 defines it. An incandescent lamp has about 0.1, a lamp that follows the
+            current up to 1 (0.2 is assumed).
+        seed: Seed of the wind and the shake.
     """
 
     wind_grade: int = 0
