@@ -22,7 +22,7 @@ import numpy as np
 import tonic
 from matplotlib.figure import Figure
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.events import Events
 from formats import open_events, open_writer
 
@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 
 def emulated_disc() -> tuple[Events, tuple[int, int]]:
     """A bright disc that moves to the right at 500 px/s, as a DAVIS346 sees it for 60 ms."""
-    sensor = Davis346(SensorConfig(), seed=1)
+    sensor = EventSensor(SensorConfig(), seed=1)
     y, x = np.mgrid[:260, :346]
     events = []
     for t_us in range(0, 60_000, 1000):

@@ -18,7 +18,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.convergence.matching import WITHIN_US, match
@@ -211,7 +211,7 @@ class Clock:
 
 def events_of(frames: Iterable[tuple[int, Luminance]]) -> Events:
     """Events of a sensor that has adapted to the first of the frames."""
-    sensor = Davis346(SENSOR, seed=0)
+    sensor = EventSensor(SENSOR, seed=0)
     found = [sensor.step(t_us, luminance).events for t_us, luminance in frames]
     return np.concatenate(found[1:])
 

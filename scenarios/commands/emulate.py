@@ -12,7 +12,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from emulator import Davis346, SensorOutput, preset
+from emulator import EventSensor, SensorOutput, preset
 from emulator.presets import PresetName
 from formats import EventWriter, open_writer
 from scenarios.emulate.pictures import Pictures, open_pictures
@@ -97,7 +97,7 @@ class Emulate:
         self, pictures: Pictures, fps: float, motion: Motion, writer: EventWriter, seen: Seen
     ) -> None:
         config = preset(self.sensor)
-        sensor = Davis346(config, seed=self.seed)
+        sensor = EventSensor(config, seed=self.seed)
         found = samples(
             pictures,
             fps=fps,

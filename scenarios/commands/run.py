@@ -68,7 +68,7 @@ class Run:
     also: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = ()
     """Detectors that look at the same events, to compare in the recording and the table."""
     sensor: PresetName = "davis346"
-    """Preset of the sensor; a smaller one sees the middle of the view, its pixels as large."""
+    """Preset of the sensor: its pixels, readout and lens, and with them the field of view."""
     noise: bool = True
     """Whether a davis346 has leak, shot noise, hot pixels and noisy frames."""
     lead_s: float = 0.15

@@ -1,7 +1,8 @@
 """Which sensor a command takes: a preset, a TOML file on top of it, single values on top of that.
 
 A file holds what is different about the sensor, by the names of `emulator.SensorConfig`; frames are
-in a table `aps`, bias currents, coarse and fine, in a table `biases`:
+in a table `aps`, the readout in a table `readout`, bias currents, coarse and fine, in a table
+`biases`:
 
     preset = "dvs128"
     theta_on = 0.25
@@ -31,6 +32,7 @@ from emulator import (
     ApsConfig,
     Bias,
     Biases,
+    ReadoutConfig,
     SensorConfig,
     SensorConfigError,
     preset,
@@ -40,7 +42,7 @@ from emulator.presets import WITHOUT_FRAMES, PresetName
 from scenarios.errors import ScenarioError
 
 DEFAULT: PresetName = "davis346"
-_PRESET, _APS, _BIASES = "preset", "aps", "biases"
+_PRESET, _APS, _READOUT, _BIASES = "preset", "aps", "readout", "biases"
 _BARE_WORD = re.compile(r"[A-Za-z_]\w*")
 _SET_HELP = (
     "What else is different, such as theta_on=0.25 aps.shutter=rolling. One bias, such as "
@@ -68,7 +70,7 @@ class SensorOptions:
     )
     """Which sensor; davis346 where not given."""
     config: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """TOML file of what is different: theta_on = 0.25, and tables [aps] and [biases]."""
+    """TOML file of what is different: theta_on = 0.25, tables [aps], [readout] and [biases]."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(name="", constructor=_joined)] = ()
     """What else is different: NAME=VALUE, each name once."""
 
@@ -121,20 +123,23 @@ def sensor_of(changes: Mapping[str, Any]) -> SensorConfig:
     """A preset with changes.
 
     Args:
-        changes: values by the names of `SensorConfig`; "preset", "aps" and "biases" as a file has
-            them (see the module).
+        changes: values by the names of `SensorConfig`; "preset", "aps", "readout" and "biases" as
+            a file has them (see the module).
 
     Raises:
         ScenarioError: a name that a sensor does not have.
         SensorConfigError: a value is outside its range, or the preset unknown.
     """
-    plain = {k: v for k, v in changes.items() if k not in {_PRESET, _APS, _BIASES}}
+    plain = {k: v for k, v in changes.items() if k not in {_PRESET, _APS, _READOUT, _BIASES}}
     _check_names(plain, SensorConfig, "")
     config = preset(changes.get(_PRESET, DEFAULT))
     if _BIASES in changes:
         config = with_biases(config, _biases_of(_table(changes, _BIASES, Biases)))
-    frames = _table(changes, _APS, ApsConfig)
-    return replace(config, **{**plain, _APS: replace(config.aps, **frames)})
+    parts: dict[str, Any] = {
+        _APS: replace(config.aps, **_table(changes, _APS, ApsConfig)),
+        _READOUT: replace(config.readout, **_table(changes, _READOUT, ReadoutConfig)),
+    }
+    return replace(config, **plain, **parts)
 
 
 def _biases_of(codes: Mapping[str, Any]) -> Biases:

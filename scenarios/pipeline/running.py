@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyDetector
-from emulator import Davis346, SensorOutput
+from emulator import EventSensor, SensorOutput
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import Track
@@ -53,8 +53,9 @@ class Stopwatch:
 
 
 def make_crossing(config: RunConfig, cache: LuminanceCache | None = None) -> Crossing:
-    """The crossing of `config`, seen by a sensor of its size, its light kept in `cache`."""
-    lens = Intrinsics(width=config.sensor.width, height=config.sensor.height)
+    """Return the crossing of `config` as its sensor sees it; rendered luminance goes to `cache`."""
+    sensor = config.sensor
+    lens = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
     return Crossing(config.crossing, lens, cache=cache)
 
 
@@ -91,7 +92,7 @@ def run_steps(
     Yields:
         One step a sample, in order of time.
     """
-    sensor = Davis346(config.sensor, seed=config.seed)
+    sensor = EventSensor(config.sensor, seed=config.seed)
     samples = crossing.samples()
     said: list[MotionEstimate] = []
     while True:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from detector.estimate import MotionEstimate
 from detector.metrics import within
-from emulator import ApsFrame, Davis346, SensorConfig
+from emulator import ApsFrame, EventSensor, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.options.cache import CacheOptions
@@ -159,7 +159,7 @@ class Audience:
             recorder: takes down what the first seed's sensor and methods say.
         """
         self._task, self._recorder = task, recorder
-        self._sensors = [Davis346(task.sensor, seed=seed) for seed in task.seeds]
+        self._sensors = [EventSensor(task.sensor, seed=seed) for seed in task.seeds]
         self._samples: list[Sample] = []
         self._watchers = [task.watchers(seed) for seed in task.seeds]
         self._track, self._album = Track(), Album()
@@ -198,7 +198,7 @@ class Audience:
                 self._album.add_frames(frames)
         self._samples = []
 
-    def _seen(self, sensor: Davis346, *, is_first: bool) -> tuple[Events, list[ApsFrame]]:
+    def _seen(self, sensor: EventSensor, *, is_first: bool) -> tuple[Events, list[ApsFrame]]:
         """What a sensor says of the chunk."""
         outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in self._samples]
         if is_first and self._recorder is not None:

@@ -60,7 +60,9 @@ def by_light(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
     """Runs in groups that share their light."""
     groups: dict[tuple[Any, ...], list[RunConfig]] = {}
     for c in configs:
-        groups.setdefault((c.crossing, c.sensor.width, c.sensor.height), []).append(c)
+        groups.setdefault(
+            (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px), []
+        ).append(c)
     return list(groups.values())
 
 

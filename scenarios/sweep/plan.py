@@ -105,5 +105,7 @@ def _check_runs(configs: Sequence[RunConfig]) -> None:
     for config in detectors.values():
         make_detector(config)
     turning = [c for c in configs if c.crossing.profile is Profile.CONSTANT_OMEGA]
-    for config in {(c.crossing, c.sensor.width, c.sensor.height): c for c in turning}.values():
+    for config in {
+        (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px): c for c in turning
+    }.values():
         make_crossing(config)

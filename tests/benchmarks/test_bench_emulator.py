@@ -16,7 +16,7 @@ import numpy.typing as npt
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 
 FRAMES = 200
 VEHICLE = (60, 160)
@@ -71,12 +71,12 @@ def measure(
 ) -> None:
     """Time the frames after the first five of a crossing, and note the bytes of state a pixel."""
 
-    def step(sensor: Davis346, sample: Sample) -> int:
+    def step(sensor: EventSensor, sample: Sample) -> int:
         t_us, frame, window = sample
         return sensor.step(t_us, frame, changed=window if hint else None).events.size
 
-    def settled() -> tuple[tuple[Davis346], dict[str, object]]:
-        sensor = Davis346(config, seed=1, threads=threads)
+    def settled() -> tuple[tuple[EventSensor], dict[str, object]]:
+        sensor = EventSensor(config, seed=1, threads=threads)
         for sample in samples[:5]:
             step(sensor, sample)
         assert sensor._state is not None
@@ -84,7 +84,7 @@ def measure(
         benchmark.extra_info["bytes a pixel"] = round(held / (config.width * config.height), 1)
         return (sensor,), {}
 
-    def run(sensor: Davis346) -> int:
+    def run(sensor: EventSensor) -> int:
         return sum(step(sensor, sample) for sample in samples[5:])
 
     pedantic: Callable[..., int] = benchmark.pedantic

@@ -1,4 +1,4 @@
-"""The first example of the README, run in a process that has no renderer to import."""
+"""The first example of the README runs in a process that cannot import the renderer."""
 
 import re
 import subprocess

@@ -77,11 +77,7 @@ class Load:
 def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load | None:
     """Readout of an array that flickers at one frequency [Hz]; None where nothing comes out."""
     free = resized(config, width=WIDTH, height=HEIGHT)
-    bound = replace(
-        free,
-        readout_limit_hz=config.readout_limit_hz,
-        readout_latency_us=config.readout_latency_us,
-    )
+    bound = replace(free, readout=config.readout)
     samples = _flicker(free, flicker_hz, seed)
     made = record(free, samples, seed=seed).events
     passed = record(bound, samples, seed=seed).events
@@ -89,7 +85,7 @@ def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load 
         made,
         passed,
         width=WIDTH,
-        reset_us=max(1, config.refractory_us) - config.readout_latency_us,
+        reset_us=max(1, config.refractory_us) - config.readout.latency_us,
     )
     rates = rates_hz(made, passed, from_us=round(_SETTLING * samples[-1][0]))
     if delays.size == 0 or rates is None:

@@ -62,11 +62,7 @@ class Latency:
 
 def measure_latency(config: SensorConfig, *, chip_lux: float, seed: int) -> Latency | None:
     """Latency of ON events at one light on the chip [lux]; None where few pixels answer."""
-    sensor = replace(
-        resized(config, width=SPOT_PX, height=SPOT_PX),
-        readout_limit_hz=config.readout_limit_hz,
-        readout_latency_us=config.readout_latency_us,
-    )
+    sensor = replace(resized(config, width=SPOT_PX, height=SPOT_PX), readout=config.readout)
     hold_us = math.ceil(_HOLD * time_constant_us(config, chip_lux)) + 100
     base = uniform(sensor, chip_luminance(sensor, chip_lux))
     recording = record(sensor, _square_wave(base, hold_us), seed=seed)

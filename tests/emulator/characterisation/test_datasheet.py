@@ -47,13 +47,13 @@ def test_any_sensor_has_one(config: SensorConfig, monkeypatch: pytest.MonkeyPatc
 
 
 def test_only_a_sensor_has_one() -> None:
-    with pytest.raises(SensorConfigError, match=r"the sensor is 'davis346'; allowed is a Sensor"):
+    with pytest.raises(SensorConfigError, match=r"the sensor is 'davis346'. Allowed is a Sensor"):
         characterise("davis346")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_every_experiment_refuses_a_seed_that_is_none(name: str) -> None:
-    with pytest.raises(SensorConfigError, match="the seed is -1; allowed is"):
+    with pytest.raises(SensorConfigError, match=r"the seed is -1\. Allowed is"):
         EXPERIMENTS[name](SensorConfig(), seed=-1)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.repeats import run_repeats
 from scenarios.pipeline.run_config import RunConfig
@@ -35,7 +35,7 @@ def test_every_seed_sees_what_it_would_see_alone() -> None:
     assert track.in_view_us == (0, 99 * 1_500)
     assert track.box_px(15_000) == (20, 100, 80, 160)
     for seed, said in zip((3, 8), together, strict=True):
-        sensor, detector, alone = Davis346(config.sensor, seed=seed), make_detector(config), []
+        sensor, detector, alone = EventSensor(config.sensor, seed=seed), make_detector(config), []
         for sample in samples():
             events = sensor.step(sample.t_us, sample.luminance).events
             alone += feed(detector, events, until_us=sample.t_us + 1)

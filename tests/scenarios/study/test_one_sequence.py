@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from detector.estimate import MotionEstimate
-from emulator import Davis346
+from emulator import EventSensor
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study import one_sequence
@@ -41,7 +41,7 @@ def test_every_method_and_seed_has_a_run(seen: Sequence) -> None:
 
 
 def test_chunks_change_nothing_of_what_is_said(seen: Sequence) -> None:
-    sensor, watcher = Davis346(TASK.sensor, seed=8), make_watcher(FLY, 8, width=346, height=260)
+    sensor, watcher = EventSensor(TASK.sensor, seed=8), make_watcher(FLY, 8, width=346, height=260)
     for sample in samples():
         output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         watcher.watch(output.events, output.aps_frames, until_us=sample.t_us + 1)

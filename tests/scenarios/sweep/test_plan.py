@@ -150,7 +150,7 @@ def test_a_file_that_says_what_cannot_be_is_refused_by_name(text: str, tmp_path:
 
 def test_too_many_points_are_refused_before_they_are_made(tmp_path: Path) -> None:
     numbers = list(range(1, 1001))
-    text = f"[grid]\nsensor.refractory_us = {numbers}\nsensor.readout_latency_us = {numbers}"
+    text = f"[grid]\nsensor.refractory_us = {numbers}\nsensor.readout.latency_us = {numbers}"
     with pytest.raises(SweepFileError, match="1,000,000 points; allowed are 100,000"):
         plan(tmp_path, text)
 
