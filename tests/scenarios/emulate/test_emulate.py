@@ -141,7 +141,7 @@ def _mean_error(found: Events, true: Events) -> float:
         ({"input": Path("below.npy")}, "light of frame 0 .* is -1 cd/m²"),
         ({"fps": None}, "does not say how many frames a second it has; give them with --fps"),
         ({"fps": 0.0}, "the frames a second are 0; allowed is 0.1 to 100000"),
-        ({"white_cd_m2": 0.0}, "white_cd_m2 is 0.0; allowed is a positive number"),
+        ({"white_cd_m2": 0.0}, "white_cd_m2 is 0.0. Allowed is a positive number"),
         ({"out": Path("a.mp4")}, "ends in .mp4; allowed is .aedat4"),
         ({"out": Path("no/a.h5")}, "--out no/a.h5 has no folder"),
         ({"out": Path("none")}, "--out none is a folder"),

@@ -1,11 +1,21 @@
 """Which sensor the arguments ask for: preset, file and single values, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import tyro
 
-from emulator import ApsConfig, Bias, Biases, SensorConfig, SensorConfigError, preset, with_biases
+from emulator import (
+    ApsConfig,
+    Bias,
+    Biases,
+    ReadoutConfig,
+    SensorConfig,
+    SensorConfigError,
+    preset,
+    with_biases,
+)
 from scenarios.commands.characterise import Characterise
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions, sensor_of
@@ -43,6 +53,17 @@ def test_single_values_come_on_top_of_the_file_and_that_on_top_of_the_preset(fil
     assert found.refractory_us == expected.refractory_us == 8
     assert found.follower_hz == expected.follower_hz
     assert found.aps == ApsConfig(shutter="rolling", read_noise_e=20.0, noise=False)
+
+
+def test_the_readout_is_set_by_value_or_by_table(tmp_path: Path) -> None:
+    given = ("readout.limit_hz=2e6", "readout.kind=scan")
+    found = SensorOptions(preset="dvxplorer", set=given).sensor()
+    assert found.readout == replace(preset("dvxplorer").readout, limit_hz=2e6)
+    file = tmp_path / "bus.toml"
+    file.write_text("[readout]\nlatency_us = 7\n", encoding="utf-8")
+    assert SensorOptions(config=file).sensor().readout == ReadoutConfig(latency_us=7)
+    with pytest.raises(ScenarioError, match=r"no 'readout\.limit'.* did you mean limit_hz\?"):
+        SensorOptions(set=("readout.limit=3",)).sensor()
 
 
 def test_the_argument_for_the_preset_outweighs_the_file(file: Path) -> None:
@@ -120,14 +141,14 @@ def test_what_a_sensor_does_not_have_is_refused(given: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ("theta_on=-1", "theta_on is -1; allowed is a number from 0.01"),
+        ("theta_on=-1", "theta_on is -1. Allowed is a number from 0.01"),
         ("theta_on=wide", "theta_on is 'wide'"),
         ("theta_on=nan", "theta_on is nan"),
         ("theta_on.x=3", "theta_on is"),
         ("preset=kodak", "the preset is 'kodak'"),
         ("preset=[1]", r"the preset is \[1\]"),
         ("biases.on=[6,900]", "biases.on: fine is 900"),
-        ("biases.off=[9,200]", "biases.off: coarse is 9; allowed is"),
+        ("biases.off=[9,200]", "biases.off: coarse is 9. Allowed is"),
         ("biases.on=[4,39]", "theta_on is 0.0"),
         ("aps.shutter=slow", "shutter is 'slow'"),
     ],

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from detector.fly.config import FlyConfig
-from emulator import SensorConfig, preset
+from emulator import ReadoutKind, SensorConfig, preset
 from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.run_config import RunConfig
@@ -42,6 +42,8 @@ def test_every_default_is_of_its_type_and_makes_the_default_run() -> None:
         ("crossing.omega_rad_s", 2, 2.0),
         ("sensor.aps.noise", False, False),
         ("sensor.aps.shutter", "rolling", "rolling"),
+        ("sensor.readout.kind", "scan", ReadoutKind.SCAN),
+        ("sensor.readout.limit_hz", 2_000_000, 2e6),
         ("fly.further_delays_us", [100_000], (100_000,)),
         ("crossing.distance_m", 7, 7.0),
     ],
@@ -119,8 +121,8 @@ def test_the_method_gives_what_the_fly_is_not_told() -> None:
             {"crossing.distractors.wind_grade": 9},
             "crossing.distractors.wind_grade is 9; allowed is 0 to 8",
         ),
-        ({"sensor.theta_on": 0.0}, "sensor.theta_on is 0.0; allowed is a number from 0.01"),
-        ({"sensor.aps.target_dn": 700.0}, "sensor.aps.target_dn is 700.0; allowed is"),
+        ({"sensor.theta_on": 0.0}, "sensor.theta_on is 0.0. Allowed is a number from 0.01"),
+        ({"sensor.aps.target_dn": 700.0}, "sensor.aps.target_dn is 700.0. Allowed is"),
         ({"fly.alpha": 2.0}, "fly.alpha is 2.0; allowed is 0.01 to 0.99"),
         ({"seed": -1}, "seed is -1; allowed is 0 to"),
         ({"sensor.leak_hz": 900.0, "sensor.temperature_c": 90.0}, "sensor: warm_leak_hz is"),
