@@ -36,15 +36,8 @@ from emulator.pixel.batch import (
     Batch,
 )
 from emulator.pixel.photoreceptor import ramp_pieces
-from emulator.pixel.single_pixel import (
-    NO_EVENT,
-    Mismatch,
-    Pixel,
-    Segment,
-    advance,
-    make_segment,
-    silent_time_us,
-)
+from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
+from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
 from emulator.pixel.state import PixelModel, PixelState, StepTimes
 from emulator.readout.event_keys import Keys, make_key
 from flybench.kernels import compiled, inlined

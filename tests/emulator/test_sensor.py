@@ -65,7 +65,7 @@ def test_another_process_gives_the_same_events() -> None:
 
 @settings(max_examples=10, deadline=None)
 @given(st.lists(st.integers(1, 29), max_size=5))
-def test_however_the_stream_is_cut(cuts: list[int]) -> None:
+def test_cutting_a_stream_changes_no_event(cuts: list[int]) -> None:
     samples = list(moving_texture(30))
     whole, _ = run_sensor(noisy_config(), samples, seed=2)
     sensor = EventSensor(noisy_config(), seed=2)
@@ -74,7 +74,7 @@ def test_however_the_stream_is_cut(cuts: list[int]) -> None:
     assert np.concatenate(parts).tobytes() == whole.tobytes()
 
 
-def test_a_stream_that_starts_after_ten_hours_is_as_exact() -> None:
+def test_a_stream_that_starts_after_ten_hours_has_the_same_events() -> None:
     shift = 36_000_000_000
     early, _ = run_sensor(noisy_config(), moving_texture(30), seed=2)
     late, _ = run_sensor(noisy_config(), ((t + shift, f) for t, f in moving_texture(30)), seed=2)
