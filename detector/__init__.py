@@ -1,11 +1,18 @@
-"""Motion detectors: events (and frames) in, direction of motion out.
+"""Motion detectors: they take events (and frames) and return the direction of motion.
 
-`FlyDetector` is the fly of the paper; `FrameFly`, `ContrastMaximisation` and `PlaneFit` are its
-rivals. All obey `Detector`: they take a stream in chunks of any size and return `MotionEstimate`s.
+`FlyDetector` is the fly of the paper. `FrameFly`, `ContrastMaximisation` and `PlaneFit` are the
+methods that it is compared with. All implement `Detector`: they take a stream in chunks of any size
+and return a list of `MotionEstimate`.
 """
 
 from detector.contrast_maximisation.detector import ContrastConfig, ContrastMaximisation
-from detector.errors import DetectorConfigError, DetectorError, EventOrderError, StateError
+from detector.errors import (
+    DetectorConfigError,
+    DetectorError,
+    EventOrderError,
+    FrameError,
+    StateError,
+)
 from detector.estimate import Detector, FrameDetector, MotionEstimate
 from detector.fly.config import FlyConfig
 from detector.fly.detector import FlyDetector, FlyMaps
@@ -26,6 +33,7 @@ __all__ = [
     "FlyDetector",
     "FlyMaps",
     "FrameDetector",
+    "FrameError",
     "FrameFly",
     "FrameFlyConfig",
     "MotionEstimate",

@@ -1,4 +1,4 @@
-"""What the detector refuses."""
+"""Errors that detectors raise on bad input."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from flybench.errors import EventError, FlybenchError
 
 
 class DetectorError(FlybenchError):
-    """Base of all errors that the detector raises on bad input."""
+    """Base of all errors that a detector raises on bad input."""
 
 
 class DetectorConfigError(DetectorError):
-    """A detector parameter is outside its range."""
+    """A parameter of a detector has the wrong type or is out of range."""
 
 
 class EventOrderError(DetectorError, EventError):
-    """A time that a stream cannot go on with: it went back, or is no whole number of µs.
+    """A time goes back, or is not a whole number of µs in the allowed range.
 
-    It is an `EventError` too: one `except` clause catches every complaint about a stream.
+    It is also an `EventError`, so that one `except` clause catches every error about a stream.
     """
 
 
 class StateError(DetectorError):
-    """A saved state that does not belong to this detector."""
+    """A saved state is damaged, or belongs to another detector."""
 
 
 class FrameError(DetectorError):
-    """What was passed is no frame of this sensor."""
+    """A value is not a frame of this sensor."""

@@ -1,4 +1,4 @@
-"""The one interface of every detector: events in, motion estimates out."""
+"""The interface of every detector: events go in, motion estimates come out."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from flybench.events import Events
 
 @dataclass(frozen=True, slots=True)
 class MotionEstimate:
-    """What a detector says about one window of events.
+    """A detector's estimate for one window of events.
 
     Attributes:
         t_us: end of the window, exclusive: no event at or after it was used [µs].
-        hs: horizontal system's response in [−1, 1]; rightward is positive.
-        vs: vertical system's response in [−1, 1]; downward is positive.
-        direction: the winner of the two, or none.
-        strength: the larger of |hs| and |vs|, in [0, 1], also where the direction is none.
-        response: the horizontal and vertical response before normalisation.
-        view_centre_px: (x, y) on which attention rests, continuous pixel coordinates in which
-            pixel i spans [i, i + 1) [px].
-        roi_px: (x0, y0, x1, y1), the box of the attended region, half-open [px]; None where
-            nothing is attended.
+        hs: response of the horizontal system in [−1, 1]; positive is rightward.
+        vs: response of the vertical system in [−1, 1]; positive is downward.
+        direction: direction of the stronger system, or `NONE`.
+        strength: the larger of |hs| and |vs|, in [0, 1]; also given if the direction is `NONE`.
+        response: horizontal and vertical response before normalisation.
+        view_centre_px: (x, y) of the point that the detector attends to [px], in continuous pixel
+            coordinates: pixel i spans [i, i + 1).
+        roi_px: (x0, y0, x1, y1), bounding box of the region of interest, half-open [px]; None if
+            the detector attends to nothing.
     """
 
     t_us: int
@@ -42,53 +42,53 @@ class MotionEstimate:
 class Detector(Protocol):
     """A detector of motion direction that reads a stream in chunks of any size.
 
-    It is made with the keywords `width` and `height`, the sensor's size [px], and looks at one
-    stream from one sensor. What is no sorted stream from there it refuses with an `EventError`, and
-    is then as before. Neither the cuts between chunks nor the calls of `advance` between them may
-    change an estimate.
+    It is made with the keywords `width` and `height`, the size of the sensor [px], and reads one
+    stream from one sensor. It refuses a chunk that is not a sorted stream from this sensor with an
+    `EventError`, and its own state is then unchanged. Neither the cuts between chunks nor calls of
+    `advance` between them may change an estimate.
     """
 
     def push(self, events: Events) -> list[MotionEstimate]:
-        """Take the next events of the stream.
+        """Process the next events of the stream.
 
         Args:
-            events: sorted by t, none older than what was passed or advanced to before.
+            events: sorted by t; none earlier than an event or a time that was passed before.
 
         Returns:
-            The estimates that became due: those whose window ends at or before the last event.
+            Estimates of the windows that have ended at or before the last event.
         """
         ...
 
     def advance(self, t_us: int) -> list[MotionEstimate]:
-        """Learn that every event before `t_us` was passed.
+        """Declare that every event before `t_us` has been passed.
 
         Args:
             t_us: time that the stream has reached, exclusive [µs].
 
         Returns:
-            The estimates that became due: those whose window ends at or before `t_us`.
+            Estimates of the windows that have ended at or before `t_us`.
         """
         ...
 
 
 @runtime_checkable
 class FrameDetector(Detector, Protocol):
-    """A detector that looks at intensity frames too, or at nothing else.
+    """A detector that reads intensity frames, with or without events.
 
-    Whoever runs detectors calls `push_frame` where there is one (`isinstance` tells), and calls
-    `push` and `advance` all the same: one that needs no events answers them with `[]`, or with the
-    estimates that their time made due. Calls come in order of time: events before a frame's
-    `t_us` are passed before it, later ones after it.
+    Callers pass frames to `push_frame` if the detector has it (`isinstance` tells), and still call
+    `push` and `advance`. A detector that needs no events returns `[]` from these, or the estimates
+    that are due by then. Calls come in order of time: events before a frame's `t_us` are passed
+    before the frame, later events after it.
     """
 
     def push_frame(self, t_us: int, frame: npt.NDArray[np.uint16]) -> list[MotionEstimate]:
-        """Take the next frame.
+        """Process the next frame.
 
         Args:
-            t_us: end of its exposure, not before what was passed or advanced to before [µs].
-            frame: (height, width) uint16, raw counts of the APS; not kept and not changed.
+            t_us: end of its exposure [µs]; not before an event or a time that was passed before.
+            frame: (height, width) uint16, raw counts of the APS; neither kept nor changed.
 
         Returns:
-            The estimates that became due.
+            The estimates that are due.
         """
         ...

@@ -1,7 +1,8 @@
-"""How well a detector did on one crossing, against the true direction.
+"""Measures of a detector's performance on one crossing, against the true direction.
 
-A crossing is a pair (enters, leaves) of times [µs]. An estimate belongs to it when its window ends
-after the vehicle entered and no later than it left: enters < t ≤ leaves.
+A crossing is a pair (enters, leaves) of times [µs]. An estimate belongs to it if its window ends
+after the vehicle has entered and not after it has left: enters < t ≤ leaves. An estimate that
+belongs to a crossing is called a step.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ Point = tuple[float, float]
 """x, y in continuous pixel coordinates [px]."""
 
 GRMS_STEP_US = 50_000
-"""The paper's Δt: the step from one response to the next in its equations [µs]."""
+"""Δt of the paper: the step from one response to the next in its equations [µs]."""
 
 
 def within(estimates: Estimates, crossing_us: tuple[int, int]) -> list[MotionEstimate]:
-    """The estimates that belong to a crossing."""
+    """Return the estimates that belong to a crossing."""
     enters_us, leaves_us = crossing_us
     return [e for e in estimates if enters_us < e.t_us <= leaves_us]
 
@@ -35,15 +36,15 @@ def within(estimates: Estimates, crossing_us: tuple[int, int]) -> list[MotionEst
 def accuracy(
     estimates: Estimates, truth: Direction, *, crossing_us: tuple[int, int]
 ) -> float | None:
-    """Share of the steps whose direction is right, in [0, 1]; none counts as wrong.
+    """Return the share of steps with the right direction, in [0, 1]; `NONE` counts as wrong.
 
     Args:
-        estimates: of the whole sequence.
+        estimates: all estimates of the sequence.
         truth: true direction.
-        crossing_us: when the vehicle entered and left the view [µs].
+        crossing_us: times at which the vehicle enters and leaves the view [µs].
 
     Returns:
-        The share, or None where no estimate belongs to the crossing.
+        The share, or None if no estimate belongs to the crossing.
     """
     steps = within(estimates, crossing_us)
     if not steps:
@@ -52,10 +53,10 @@ def accuracy(
 
 
 def verdict(estimates: Estimates, *, crossing_us: tuple[int, int]) -> Direction:
-    """The one direction of a crossing: the one with most strength, summed over the steps.
+    """Return the direction with the largest total strength over all steps of a crossing.
 
     Returns:
-        A direction, or none where no step names one.
+        A direction, or `NONE` if every step is `NONE`.
     """
     strengths: dict[Direction, float] = {}
     for e in within(estimates, crossing_us):
@@ -71,32 +72,28 @@ def grms(
     of: GrmsOf = GrmsOf.WINNER,
     step_us: int = GRMS_STEP_US,
 ) -> float | None:
-    """Gradient root mean square of the response before normalisation (paper, figure 5 B).
+    """Return the gradient root mean square of the response before normalisation (figure 5 B).
 
-    A gradient is the difference from a step to the first that comes `step_us` later or more, over
-    the time between: as a vector, so that it does not depend on the direction of motion.
+    A gradient is the difference between the response at a step and at the first step that comes at
+    least `step_us` later, divided by the time between them. It is taken as a vector, so that it
+    does not depend on the direction of motion.
 
     Args:
-        estimates: of the whole sequence, in order of time.
-        crossing_us: when the vehicle entered and left the view [µs].
-        of: which response; `GrmsOf` says what either reading gives.
+        estimates: all estimates of the sequence, in order of time.
+        crossing_us: times at which the vehicle enters and leaves the view [µs].
+        of: which response to use; `detector.fly.model_variants` compares the choices.
         step_us: least time that a gradient spans [µs].
 
     Returns:
-        The figure in responses per second, or None where no two steps are that far apart.
+        Responses per second, or None if no two steps are `step_us` apart.
 
     Raises:
-        DetectorError: a step is no later than the one before.
+        DetectorError: a step is not later than the one before.
     """
     steps = within(estimates, crossing_us)
     times_us = [e.t_us for e in steps]
-    for before_us, after_us in itertools.pairwise(times_us):
-        if after_us <= before_us:
-            raise DetectorError(
-                f"an estimate at {after_us} µs follows one at {before_us} µs; allowed is a "
-                "t_us that rises from each to the next; sort them, and keep one a time"
-            )
-    responses = [_put_out(e.response, of) for e in steps]
+    _check_rising(times_us)
+    responses = [_model_output(e.response, of) for e in steps]
     squares = []
     for n, start_us in enumerate(times_us):
         later = max(bisect_left(times_us, start_us + step_us), n + 1)
@@ -106,8 +103,17 @@ def grms(
     return math.sqrt(math.fsum(squares) / len(squares)) if squares else None
 
 
-def _put_out(response: tuple[float, float], of: GrmsOf) -> tuple[float, float]:
-    """Horizontal and vertical response as the model gives them out."""
+def _check_rising(times_us: list[int]) -> None:
+    for before_us, after_us in itertools.pairwise(times_us):
+        if after_us <= before_us:
+            raise DetectorError(
+                f"An estimate at {after_us} µs follows one at {before_us} µs. Allowed are times "
+                "that rise from each estimate to the next. Sort them and keep one for each time."
+            )
+
+
+def _model_output(response: tuple[float, float], of: GrmsOf) -> tuple[float, float]:
+    """Return the response, with the weaker system set to 0 if only the winner counts."""
     horizontal, vertical = response
     if of is GrmsOf.BOTH:
         return response
@@ -117,29 +123,29 @@ def _put_out(response: tuple[float, float], of: GrmsOf) -> tuple[float, float]:
 def onset_latency_us(
     estimates: Estimates, truth: Direction, *, crossing_us: tuple[int, int]
 ) -> int | None:
-    """Time from the vehicle's entry to the first right decision [µs]; None if there is none."""
+    """Return the time from the vehicle's entry to the first right step [µs]; None without one."""
     right = [e.t_us for e in within(estimates, crossing_us) if e.direction is truth]
     return right[0] - crossing_us[0] if right else None
 
 
 def intersection_over_union(first: Box | None, second: Box | None) -> float:
-    """Overlap of two boxes: area of the intersection over that of the union, in [0, 1].
+    """Return the intersection over union of two boxes, in [0, 1].
 
     Args:
-        first: (x0, y0, x1, y1), half-open [px]; None: no box, which overlaps with none.
-        second: the same.
+        first: (x0, y0, x1, y1), half-open [px]; None is an empty box.
+        second: the other box.
     """
     if first is None or second is None:
         return 0.0
-    wide = min(first[2], second[2]) - max(first[0], second[0])
-    high = min(first[3], second[3]) - max(first[1], second[1])
-    shared = max(wide, 0) * max(high, 0)
+    width = min(first[2], second[2]) - max(first[0], second[0])
+    height = min(first[3], second[3]) - max(first[1], second[1])
+    shared = max(width, 0) * max(height, 0)
     union = _area(first) + _area(second) - shared
     return shared / union if union else 0.0
 
 
 def centroid_error_px(view_centre: Point, centroid: Point) -> float:
-    """Distance from where attention rests to the true centroid, both (x, y) [px]."""
+    """Return the distance from the view centre to the true centroid, both (x, y) [px]."""
     return math.dist(view_centre, centroid)
 
 

@@ -1,27 +1,30 @@
-"""A stream cut into hops, for detectors that look at windows of whole hops."""
+"""Detectors that look at windows of whole hops, and the buffer that cuts a stream into hops.
+
+A hop is the step from one estimate to the next.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
 
 import numpy as np
 
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
-from detector.event_checks import check_chunk, check_order, whole_time
+from detector.event_checks import check_chunk, check_order, checked_time
 from flybench.events import Events, empty_events, joined
 
 QUIET_LIMIT_US = 60_000_000
-"""How long after the last event hops go on [µs]; as `FlyConfig.quiet_limit_us`."""
+"""Time after the last event at which hops stop [µs]; the default of `FlyConfig.quiet_limit_us`."""
 
 
 class HopBuffer:
-    """Hands out the events of each whole hop once they are complete, in order.
+    """Collects events and returns those of each hop, in order, when the hop is complete.
 
-    HopBuffer begin at whole multiples of their length. After `QUIET_LIMIT_US` without an event they
-    stop, and go on with the hop of the next event; a stream that begins later than that starts
-    with the hop of its first event, and `advance` beyond that before it hands out nothing.
+    Hops begin at whole multiples of their length. They stop `QUIET_LIMIT_US` after the last event
+    and resume with the hop of the next event. If the first event of a stream is later than
+    `QUIET_LIMIT_US`, hops start with that event, and an earlier `advance` beyond the limit returns
+    nothing.
     """
 
     def __init__(self, hop_us: int, *, width: int, height: int) -> None:
@@ -35,68 +38,67 @@ class HopBuffer:
         self._hop_us, self._width, self._height = hop_us, width, height
         self._hop = 0
         self._now_us = self._last_event_us = 0
-        self._is_fresh = True
+        self._has_events = False
         self._pending: list[Events] = []
 
-    def push(self, events: Events) -> Iterator[tuple[int, Events]]:
-        """Take the next events; at once, not when the iterator is read.
+    def push(self, events: Events) -> list[tuple[int, Events]]:
+        """Add the next events.
 
         Returns:
             End [µs] and events of each hop that ended at or before the last event.
 
         Raises:
-            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
-            EventOrderError: the first event is older than what was passed or advanced to before.
+            EventError: the chunk is not a sorted stream of `EVENT_DTYPE` from this sensor.
+            EventOrderError: the first event is before an event or a time that was passed before.
         """
         check_chunk(events, width=self._width, height=self._height, now_us=self._now_us)
-        done: list[tuple[int, Events]] = []
+        complete: list[tuple[int, Events]] = []
         taken = 0
         while taken < events.size:
             first_us = int(events["t"][taken])
-            self._wake(first_us)
-            done += self._complete(first_us)
-            self._is_fresh = False
-            self._skip_quiet(first_us)
+            self._skip_to_late_start(first_us)
+            complete += self._complete_hops(first_us)
+            self._has_events = True
+            self._skip_to(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
             self._pending.append(joined([events[taken:cut]]))
             self._last_event_us = self._now_us = int(events["t"][cut - 1])
             taken = cut
-        return iter(done)
+        return complete
 
-    def advance(self, t_us: int) -> Iterator[tuple[int, Events]]:
-        """Learn that every event before `t_us` was passed.
+    def advance(self, t_us: int) -> list[tuple[int, Events]]:
+        """Declare that every event before `t_us` has been passed.
 
         Returns:
             End [µs] and events of each hop that ended at or before `t_us`.
 
         Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
+            EventOrderError: `t_us` is before an event or a time that was passed before, or is not a
+                whole number.
         """
-        t_us = whole_time(t_us)
+        t_us = checked_time(t_us)
         check_order(t_us, self._now_us)
         self._now_us = t_us
-        self._wake(t_us)
-        return iter(self._complete(t_us))
+        self._skip_to_late_start(t_us)
+        return self._complete_hops(t_us)
 
-    def _wake(self, t_us: int) -> None:
-        """Start with the hop of this time where it comes late and no event was before."""
-        if self._is_fresh and t_us > QUIET_LIMIT_US:
-            self._skip_quiet(t_us)
+    def _skip_to_late_start(self, t_us: int) -> None:
+        """Skip to the hop of a late time if there was no event yet."""
+        if not self._has_events and t_us > QUIET_LIMIT_US:
+            self._skip_to(t_us)
 
-    def _complete(self, t_us: int) -> list[tuple[int, Events]]:
-        """HopBuffer that end at or before a time, as far as something happened lately."""
-        done = []
+    def _complete_hops(self, t_us: int) -> list[tuple[int, Events]]:
+        """Return the hops that end at or before a time and within the quiet limit."""
+        complete = []
         last_us = min(t_us, self._last_event_us + QUIET_LIMIT_US)
         while (end_us := (self._hop + 1) * self._hop_us) <= last_us:
             parts = self._pending or [empty_events()]
-            done.append((end_us, parts[0] if len(parts) == 1 else joined(parts)))
+            complete.append((end_us, parts[0] if len(parts) == 1 else joined(parts)))
             self._pending = []
             self._hop += 1
-        return done
+        return complete
 
-    def _skip_quiet(self, t_us: int) -> None:
-        """Go on with the hop of this time."""
+    def _skip_to(self, t_us: int) -> None:
         self._hop = max(self._hop, t_us // self._hop_us)
 
 
@@ -115,41 +117,46 @@ class WindowedDetector(ABC):
         self._hops = HopBuffer(hop_us, width=width, height=height)
 
     def push(self, events: Events) -> list[MotionEstimate]:
-        """Take the next events of the stream; see `Detector.push`.
+        """Process the next events of the stream; see `Detector.push`.
 
         Raises:
-            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
-            EventOrderError: the first event is older than what was passed or advanced to before.
+            EventError: the chunk is not a sorted stream of `EVENT_DTYPE` from this sensor.
+            EventOrderError: the first event is before an event or a time that was passed before.
         """
         return [self._estimate(*hop) for hop in self._hops.push(events)]
 
     def advance(self, t_us: int) -> list[MotionEstimate]:
-        """Learn that every event before `t_us` was passed; see `Detector.advance`.
+        """Declare that every event before `t_us` has been passed; see `Detector.advance`.
 
         Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
+            EventOrderError: `t_us` is before an event or a time that was passed before, or is not a
+                whole number.
         """
         return [self._estimate(*hop) for hop in self._hops.advance(t_us)]
 
     @abstractmethod
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
-        """What there is to say at the end of a hop [µs], of its events and all before."""
+        """Return the estimate at the end of a hop.
+
+        Args:
+            end_us: end of the hop, exclusive [µs].
+            events: events of this hop; the detector remembers those of earlier hops.
+        """
 
 
 def check_whole_hops(hop_us: int, **times_us: int) -> None:
-    """Refuse times that hops do not fill.
+    """Refuse times that are not multiples of the hop.
 
     Args:
         hop_us: length of a hop [µs].
-        times_us: what has to be a whole multiple of it, by name [µs].
+        times_us: times to check, by parameter name [µs].
 
     Raises:
-        DetectorConfigError: one of them is not.
+        DetectorConfigError: a time is not a multiple of `hop_us`.
     """
     for name, value in times_us.items():
         if value % hop_us:
             raise DetectorConfigError(
-                f"{name} is {value} µs, no multiple of hop_us = {hop_us} µs; allowed are whole "
-                "multiples; choose a hop that divides it"
+                f"{name} is {value} µs. Allowed is a multiple of hop_us = {hop_us} µs. Choose a "
+                "hop that divides it."
             )

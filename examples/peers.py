@@ -1,15 +1,16 @@
-"""The same events in three hands: ours, tonic's and dv-processing's, and they see the same picture.
+"""Compare event images from flybench, tonic and dv-processing for the same events.
 
     pip install 'flybench[peers]'          # in a clone: .venv/bin/pip install -e '.[peers]'
-    python examples/peers.py --picture peers.png                 # a disc that we emulate
+    python examples/peers.py --picture peers.png                 # an emulated disc
     python examples/peers.py logs/demo/day/events.h5 --start-ms 600 --picture peers.png
 
-1. We write the events as AEDAT4 with `formats.open_writer`; dv-processing reads that file with its
-   own reader. tonic takes the array as it is, by the names of its columns.
-2. Each makes its own pictures of them: how many ON and OFF events each pixel had (tonic's
-   `to_frame`, dv-processing's `Accumulator`), and a time surface, exp(-age / tau) of each pixel's
-   last event (tonic's `to_timesurface`, dv-processing's `TimeSurface`); ours are NumPy.
-3. Counts must be equal, and surfaces equal to rounding. Where they are not, the exit status is 1.
+1. flybench writes the events as AEDAT4, and dv-processing reads that file with its own reader.
+   tonic reads the event array directly, by the names of its fields.
+2. Each library makes its own two images: the number of ON and OFF events of each pixel (tonic's
+   `to_frame`, dv-processing's `Accumulator`), and the time surface, exp(-age / tau) of each pixel's
+   last event (tonic's `to_timesurface`, dv-processing's `TimeSurface`). flybench's images are made
+   with NumPy.
+3. The counts must be equal, and the surfaces equal to rounding. Otherwise the exit status is 1.
 """
 
 import argparse
@@ -22,16 +23,16 @@ import numpy as np
 import tonic
 from matplotlib.figure import Figure
 
-from emulator import EventSensor, SensorConfig
-from flybench.events import Events
-from formats import open_events, open_writer
+from flybench import Events, EventSensor, SensorConfig, open_events, open_writer
 
 TAU_US = 10_000.0
+"""Time constant of the time surfaces [µs]."""
 ROUNDING = 1e-12
+"""Largest difference between two time surfaces that counts as rounding."""
 
 
 def emulated_disc() -> tuple[Events, tuple[int, int]]:
-    """A bright disc that moves to the right at 500 px/s, as a DAVIS346 sees it for 60 ms."""
+    """Emulate a DAVIS346 that sees a bright disc move right at 500 px/s for 60 ms."""
     sensor = EventSensor(SensorConfig(), seed=1)
     y, x = np.mgrid[:260, :346]
     events = []
@@ -43,7 +44,7 @@ def emulated_disc() -> tuple[Events, tuple[int, int]]:
 
 
 def from_file(path: Path, start_us: int, span_us: int) -> tuple[Events, tuple[int, int]]:
-    """Events of a part of a recording of any format."""
+    """Read the events of one part of a recording in any supported format."""
     found = []
     with open_events(path) as file:
         for chunk in file:
@@ -55,41 +56,50 @@ def from_file(path: Path, start_us: int, span_us: int) -> tuple[Events, tuple[in
 
 
 def our_pictures(events: Events, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(2, rows, columns) counts of OFF and ON, and the surface of the last event of either."""
+    """Make flybench's images.
+
+    Returns:
+        (2, rows, columns) numbers of OFF and ON events, and their time surfaces.
+    """
     counts = np.zeros((2, size[1], size[0]), np.int64)
     np.add.at(counts, (events["p"].astype(int), events["y"], events["x"]), 1)
     last_us = np.full((2, size[1], size[0]), -np.inf)
-    last_us[events["p"].astype(int), events["y"], events["x"]] = events["t"]  # the last one stays
+    # For repeated indices NumPy keeps the last value, which is that of the last event.
+    last_us[events["p"].astype(int), events["y"], events["x"]] = events["t"]
     return counts, np.exp((last_us - events["t"][-1]) / TAU_US)
 
 
-def tonics_pictures(events: Events, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """The same by tonic, whose surface is that at a whole time window after the first event."""
+def tonic_pictures(events: Events, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Make tonic's images, like `our_pictures`.
+
+    tonic computes its surface at the end of a time window that starts at the first event, 1 µs
+    after the last event.
+    """
     columns = (events[name] for name in ("x", "y", "t", "p"))
-    theirs = tonic.io.make_structured_array(*columns)
+    structured = tonic.io.make_structured_array(*columns)
     shape = (*size, 2)
-    frame = tonic.functional.to_frame_numpy(theirs, shape, n_event_bins=1)[0]
+    frame = tonic.functional.to_frame_numpy(structured, shape, n_event_bins=1)[0]
     window_us = int(events["t"][-1] - events["t"][0])
     surface = tonic.functional.to_timesurface_numpy(
-        theirs, shape, dt=window_us + 1, tau=TAU_US, include_incomplete=True
+        structured, shape, dt=window_us + 1, tau=TAU_US, include_incomplete=True
     )[0]
-    return frame.astype(np.int64), surface * np.exp(1 / TAU_US)  # from the last event, not 1 µs on
+    return frame.astype(np.int64), surface * np.exp(1 / TAU_US)  # at the last event, as ours
 
 
-def dvs_pictures(events: Events, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """The same by dv-processing, from an AEDAT4 file that we wrote and it reads."""
+def dv_pictures(events: Events, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Make dv-processing's images, like `our_pictures`, from an AEDAT4 file written by flybench."""
     store = _read_by_dv(events, size)
     counts, surfaces = [], []
     for polarity in (False, True):
-        only = dv.EventPolarityFilter(polarity)
-        only.accept(store)
-        own = only.generateEvents()
+        polarity_filter = dv.EventPolarityFilter(polarity)
+        polarity_filter.accept(store)
+        filtered = polarity_filter.generateEvents()
         counter = dv.Accumulator(
             size, dv.Accumulator.Decay.NONE, 1.0, False, 1.0, 1e6, 0.0, 0.0, True
         )
-        counter.accept(own)
+        counter.accept(filtered)
         counts.append(np.array(counter.getPotentialSurface()).round().astype(np.int64))
-        last_us = _last_times(own, size)
+        last_us = _last_times_us(filtered, size)
         age_us = np.where(counts[-1] > 0, store.getHighestTime() - last_us, np.inf)
         surfaces.append(np.exp(-age_us / TAU_US))
     return np.array(counts), np.array(surfaces)
@@ -106,20 +116,20 @@ def _read_by_dv(events: Events, size: tuple[int, int]) -> dv.EventStore:
     return store
 
 
-def _last_times(store: dv.EventStore, size: tuple[int, int]) -> np.ndarray:
+def _last_times_us(store: dv.EventStore, size: tuple[int, int]) -> np.ndarray:
     surface = dv.TimeSurface(size)
     surface.accept(store)
     return np.array([[surface.at(y, x) for x in range(size[0])] for y in range(size[1])])
 
 
-def draw(path: Path, pictures: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
-    """ON minus OFF above, the younger of both surfaces below, a column each."""
+def plot(path: Path, pictures: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
+    """Plot one column per library: ON minus OFF events above, the later time surface below."""
     figure = Figure(figsize=(12, 6.4), layout="constrained")
     for column, (name, (counts, surface)) in enumerate(pictures.items()):
         above, below = (figure.add_subplot(2, 3, 3 * row + column + 1) for row in (0, 1))
         balance = counts[1] - counts[0]
-        far = max(1, np.abs(balance).max())
-        above.imshow(balance, cmap="RdBu_r", vmin=-far, vmax=far, interpolation="nearest")
+        limit = max(1, np.abs(balance).max())
+        above.imshow(balance, cmap="RdBu_r", vmin=-limit, vmax=limit, interpolation="nearest")
         below.imshow(surface.max(axis=0), cmap="inferno", vmin=0, interpolation="nearest")
         above.set_title(f"{name}: ON minus OFF")
         below.set_title(f"{name}: time surface, {TAU_US / 1000:g} ms")
@@ -130,12 +140,24 @@ def draw(path: Path, pictures: dict[str, tuple[np.ndarray, np.ndarray]]) -> None
 
 
 def main() -> int:
-    """Make the pictures, compare them, and draw them side by side."""
+    """Make the images of all libraries, compare them, and plot them side by side."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("file", type=Path, nargs="?", help="a recording; else a disc is emulated")
-    parser.add_argument("--start-ms", type=float, default=0.0, help="of the part that is taken")
-    parser.add_argument("--span-ms", type=float, default=30.0, help="how long it is")
-    parser.add_argument("--picture", type=Path, help="PNG to write")
+    parser.add_argument(
+        "file", type=Path, nargs="?", help="recording to read; default: emulate a disc"
+    )
+    parser.add_argument(
+        "--start-ms",
+        type=float,
+        default=0.0,
+        help="start of the part to read [ms] (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--span-ms",
+        type=float,
+        default=30.0,
+        help="length of that part [ms] (default: %(default)g)",
+    )
+    parser.add_argument("--picture", type=Path, help="PNG file to write")
     arguments = parser.parse_args()
     if arguments.file is None:
         events, size = emulated_disc()
@@ -143,28 +165,36 @@ def main() -> int:
         span_us = int(arguments.span_ms * 1000)
         events, size = from_file(arguments.file, int(arguments.start_ms * 1000), span_us)
     if not events.size:
-        print(f"{arguments.file} has no event in that part; choose another with --start-ms")
+        print(f"{arguments.file} has no events in this part. Choose another with --start-ms.")
         return 2
     pictures = {
         "ours": our_pictures(events, size),
-        f"tonic {tonic.__version__}": tonics_pictures(events, size),
-        f"dv-processing {dv.__version__}": dvs_pictures(events, size),
+        f"tonic {tonic.__version__}": tonic_pictures(events, size),
+        f"dv-processing {dv.__version__}": dv_pictures(events, size),
     }
     if arguments.picture:
-        draw(arguments.picture, pictures)
+        plot(arguments.picture, pictures)
     return compare(pictures, events.size)
 
 
 def compare(pictures: dict[str, tuple[np.ndarray, np.ndarray]], number: int) -> int:
-    """Print how far each picture is from ours; 0 where all are the same, else 1."""
+    """Print how much each library's images differ from the first library's.
+
+    Args:
+        pictures: counts and time surfaces of each library.
+        number: number of events.
+
+    Returns:
+        Exit status: 0 if all images agree, else 1.
+    """
     (_, (counts, surface)), *others = pictures.items()
     print(f"{number:,} events, {counts[1].sum():,} ON and {counts[0].sum():,} OFF")
     same = counts.sum() == number
-    for name, (their_counts, their_surface) in others:
-        off = int(np.abs(their_counts - counts).max())
-        far = float(np.abs(their_surface - surface).max())
-        same = same and off == 0 and far < ROUNDING
-        print(f"{name}: counts differ by {off}, time surfaces by {far:.1g}")
+    for name, (other_counts, other_surface) in others:
+        count_difference = int(np.abs(other_counts - counts).max())
+        difference = float(np.abs(other_surface - surface).max())
+        same = same and count_difference == 0 and difference < ROUNDING
+        print(f"{name}: counts differ by {count_difference}, time surfaces by {difference:.1g}")
     print("the same picture" if same else "NOT the same picture")
     return 0 if same else 1
 

@@ -103,4 +103,4 @@ def member(
     allowed = [item for item in kind if item not in without]
     if value in allowed:
         return kind(value)
-    raise error(f"{name} is {value!r}. Allowed is one of {', '.join(allowed)}.")
+    raise error(f"{name} is {value!r}. Allowed is one of {', '.join(allowed)}. Choose one of them.")

@@ -22,7 +22,15 @@ def lazy_names(
     def get(name: str) -> Any:
         if name not in module_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(importlib.import_module(module_of[name]), name)
+        try:
+            value = getattr(importlib.import_module(module_of[name]), name)
+        except ModuleNotFoundError as error:
+            library = str(error.name).partition(".")[0]
+            raise ImportError(
+                f"{package}.{name} needs the library {library}, which is not installed. "
+                "Install everything that flybench can use with: pip install 'flybench[all]'",
+                name=error.name,
+            ) from error
         setattr(sys.modules[package], name, value)
         return value
 

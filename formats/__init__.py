@@ -1,11 +1,11 @@
-"""Event recordings of other people's tools in, and ours out.
+"""Event recordings: read twelve formats of other tools and write six.
 
-`open_events` reads whatever format a file has, in chunks and in constant memory; `open_writer` and
-`write_events` write what the ending of the name asks for, whole or not at all.
+`open_events` reads a file of any format in chunks and in constant memory. `open_writer` and
+`write_events` choose the format by the file's ending; the file appears only once it is complete.
 """
 
 from formats.errors import FormatError, MissingLibraryError
-from formats.event_file import Chunk, EventFile, Found, open_events, read_events
+from formats.event_file import Chunk, EventFile, EventStatistics, open_events, read_events
 from formats.identify import FORMATS
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
@@ -16,9 +16,9 @@ __all__ = [
     "WRITERS",
     "Chunk",
     "EventFile",
+    "EventStatistics",
     "EventWriter",
     "FormatError",
-    "Found",
     "MissingLibraryError",
     "open_events",
     "open_writer",

@@ -1,4 +1,4 @@
-"""What the formats refuse."""
+"""Errors of reading and writing event files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from flybench.errors import FlybenchError
 
 
 class FormatError(FlybenchError):
-    """An event file cannot be read or written: the file, where in it, why, and what to do."""
+    """An event file cannot be read or written.
+
+    The message names the file, the place in it where possible, the reason and the remedy.
+    """
 
 
 class MissingLibraryError(FormatError):
@@ -14,6 +17,6 @@ class MissingLibraryError(FormatError):
 
     def __init__(self, library: str, purpose: str) -> None:
         super().__init__(
-            f"{purpose} needs the library {library}, which is not installed; install it with: "
+            f"{purpose} needs the library {library}, which is not installed. Install it with: "
             "pip install 'flybench[formats]', or in a clone: .venv/bin/pip install -e '.[formats]'"
         )

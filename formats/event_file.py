@@ -1,10 +1,10 @@
-"""Reading: one function for every format."""
+"""Read event recordings: one interface for every format."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -13,23 +13,23 @@ import numpy as np
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, empty_events, joined
-from formats.columns import SIDE_MAX, UNITS_US, Options
+from formats.columns import MAX_SIDE_PX, UNITS_US, ReadOptions
 from formats.errors import FormatError
-from formats.identify import FORMATS, check_file, format_of
-from formats.isolated_reader import Guard
+from formats.identify import FORMATS, check_readable, identify_format
+from formats.isolated_reader import IsolatedReader
 from formats.parser_process import FRAME
 
 _FRAMES_PENDING = 32
-"""Frames that wait for events which reach their end (assumed)."""
+"""Most frames that are held back until events reach the end of their exposure (assumed)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """A piece of a recording.
+    """A section of a recording.
 
     Attributes:
-        events: sorted, not older than those of the chunk before; may be empty.
-        frames: whose exposure ended with these events or before.
+        events: events sorted by time, none older than those of the previous chunk; may be empty.
+        frames: APS frames whose exposure ends no later than the last event.
     """
 
     events: Events
@@ -37,19 +37,19 @@ class Chunk:
 
 
 @dataclass(frozen=True)
-class Found:
-    """What was in the part of a file that has been read.
+class EventStatistics:
+    """Statistics of the part of a recording that has been read.
 
     Attributes:
-        events: how many.
-        on: how many of them ON.
-        frames: how many.
+        events: number of events.
+        on: number of ON events.
+        frames: number of APS frames.
         first_us: time of the first event [µs].
         last_us: time of the last event [µs].
         x_min: leftmost column with an event [px].
-        x_max: rightmost column [px].
-        y_min: uppermost row [px].
-        y_max: lowest row [px].
+        x_max: rightmost column with an event [px].
+        y_min: topmost row with an event [px].
+        y_max: bottommost row with an event [px].
     """
 
     events: int = 0
@@ -64,31 +64,31 @@ class Found:
 
     @property
     def span_us(self) -> int:
-        """From the first event to the last [µs]."""
+        """Time from the first event to the last [µs]."""
         return self.last_us - self.first_us
 
     @property
     def rate_hz(self) -> float:
-        """Events a second; 0 where no time passed."""
+        """Mean event rate [events/s]; 0 if all events have the same time."""
         return self.events / self.span_us * 1e6 if self.span_us else 0.0
 
     @property
     def on_share(self) -> float:
-        """Share of ON events, 0 to 1; 0 where there is none."""
+        """Share of ON events, 0 to 1; 0 if there are no events."""
         return self.on / self.events if self.events else 0.0
 
-    def with_chunk(self, chunk: Chunk) -> Found:
-        """What was found when `chunk` is counted too."""
+    def with_chunk(self, chunk: Chunk) -> EventStatistics:
+        """Return the statistics with `chunk` included."""
         events, frames = chunk.events, self.frames + len(chunk.frames)
         if not events.size:
-            return Found(**{**self.__dict__, "frames": frames})
+            return replace(self, frames=frames)
         x, y = events["x"], events["y"]
         low = (int(x.min()), int(y.min()))
         high = (int(x.max()), int(y.max()))
         if self.events:
             low = (min(low[0], self.x_min), min(low[1], self.y_min))
             high = (max(high[0], self.x_max), max(high[1], self.y_max))
-        return Found(
+        return EventStatistics(
             events=self.events + events.size,
             on=self.on + int(np.count_nonzero(events["p"])),
             frames=frames,
@@ -102,39 +102,48 @@ class Found:
 
 
 class EventFile:
-    """An open recording: iterate over it, once, for its chunks. Use as a context manager.
+    """An open recording; iterate over it once to read its chunks. Use as a context manager.
 
     Attributes:
-        path: the file.
-        format: one of `FORMATS`.
+        path: path of the file.
+        format: name of its format, one of `FORMATS`.
         width: sensor columns [px].
         height: sensor rows [px].
-        size_from: what told the size: "the file", "the option" or "the events".
-        has_frames: whether the file says that it holds frames.
-        what_it_says: other facts from its header, by what they are called there.
-        origin_us: what was taken from the file's own times [µs]: the first time, where that is a
-            wall clock's (later than 10¹⁴ µs) or before 0; else 0.
+        size_from: source of the sensor's size: "the file", "the option" or "the events".
+        has_frames: True if the file states that it contains frames.
+        header_facts: other facts in the header, by name.
+        origin_us: time that was subtracted from all timestamps [µs]: the first timestamp if it is
+            negative or a wall-clock time (10¹⁴ µs and more), else 0.
     """
 
-    def __init__(self, path: Path, name: str, options: Options) -> None:
-        """Begin to read; `open_events` does so after its checks."""
+    def __init__(self, path: Path, name: str, options: ReadOptions) -> None:
+        """Start to read; use `open_events`, which checks the arguments first.
+
+        Args:
+            path: path of the file.
+            name: name of its format, one of `FORMATS`.
+            options: what the user states about the file.
+
+        Raises:
+            FormatError: the header cannot be read.
+        """
         self.path = path
         self.format = name
-        self._found = Found()
+        self._statistics = EventStatistics()
         self._ended = False
-        self._guard = Guard(path, name, options)
-        self._messages = self._guard.messages()
+        self._reader = IsolatedReader(path, name, options)
+        self._messages = self._reader.messages()
         try:
-            _, head = next(self._messages)
-            facts: dict[str, Any] = json.loads(head.decode())
+            _, content = next(self._messages)
+            header: dict[str, Any] = json.loads(content.decode())
         except BaseException:
-            self._guard.close()
+            self._reader.close()
             raise
-        self.width, self.height = facts["size"]
-        self.size_from: str = facts["size_from"]
-        self.has_frames: bool = facts["has_frames"]
-        self.what_it_says: dict[str, str] = facts["says"]
-        self.origin_us: int = facts["origin_us"]
+        self.width, self.height = header["size"]
+        self.size_from: str = header["size_from"]
+        self.has_frames: bool = header["has_frames"]
+        self.header_facts: dict[str, str] = header["facts"]
+        self.origin_us: int = header["origin_us"]
 
     def __enter__(self) -> EventFile:
         return self
@@ -143,23 +152,23 @@ class EventFile:
         self.close()
 
     def close(self) -> None:
-        """Let go of the file."""
-        self._guard.close()
+        """Close the file."""
+        self._reader.close()
 
     @property
-    def found(self) -> Found:
-        """What was in the chunks so far."""
-        return self._found
+    def statistics(self) -> EventStatistics:
+        """Statistics of the chunks read so far."""
+        return self._statistics
 
     def __iter__(self) -> Iterator[Chunk]:
-        """The chunks, in constant memory.
+        """Yield the chunks, in constant memory.
 
         Raises:
-            FormatError: the file is cut, damaged or unsound; what came before was given. Or it has
-                been read to its end.
+            FormatError: the file is truncated, damaged or inconsistent; the chunks before that
+                place have been yielded. Or the file has already been read to its end.
         """
         if self._ended:
-            raise FormatError(f"{self.path} has been read to its end; open it again")
+            raise FormatError(f"{self.path} has been read to its end. Open it again.")
         pending: list[ApsFrame] = []
         for kind, content in self._messages:
             if kind == b"F":
@@ -177,44 +186,48 @@ class EventFile:
             yield self._counted(Chunk(empty_events(), tuple(pending)))
 
     def _counted(self, chunk: Chunk) -> Chunk:
-        self._found = self._found.with_chunk(chunk)
+        self._statistics = self._statistics.with_chunk(chunk)
         return chunk
 
 
 def open_events(
     path: Path | str,
     *,
-    format: str | None = None,  # noqa: A002  (what it is called everywhere)
+    format: str | None = None,  # noqa: A002  (the usual name of this parameter)
     size: tuple[int, int] | None = None,
     time_unit: str | None = None,
 ) -> EventFile:
-    """Open a recording of any format, found by what the file begins with.
+    """Open a recording; its format is recognised by its first bytes.
 
     Args:
-        path: the file.
-        format: one of `FORMATS`; None: look.
-        size: sensor's width and height, where the file does not say or is wrong [px].
-        time_unit: "s", "ms", "us" or "ns", where the file does not say or is wrong; only for text,
-            HDF5 and NumPy, whose other default is s for times with decimals and µs for whole ones.
+        path: path of the file.
+        format: name of the format, one of `FORMATS`; None: recognise it.
+        size: width and height of the sensor, if the file does not state them or is wrong [px].
+        time_unit: unit of the timestamps, "s", "ms", "us" or "ns", if the file does not state it or
+            is wrong. Used for text, HDF5 and NumPy only. None: s for timestamps with decimals, µs
+            for integers.
 
     Returns:
-        The open file, with what it says of itself.
+        The open file, with the facts from its header.
 
     Raises:
-        FormatError: it cannot be read, and why; in one sentence.
-        MissingLibraryError: a library is missing, with the command that installs it.
+        FormatError: the file cannot be read; the message states why.
+        MissingLibraryError: a library is missing; the message states how to install it.
     """
     path = Path(path)
     if format is not None and format not in FORMATS:
-        raise FormatError(f"the format is {format!r}; allowed is one of {', '.join(FORMATS)}")
+        raise FormatError(f"The format is {format!r}. Allowed is one of {', '.join(FORMATS)}.")
     if time_unit is not None and time_unit not in UNITS_US:
-        raise FormatError(f"the unit of time is {time_unit!r}; allowed is {', '.join(UNITS_US)}")
-    if size is not None and not all(0 < side <= SIDE_MAX for side in size):
         raise FormatError(
-            f"the sensor's size is {size[0]}x{size[1]}; allowed is 1 to {SIDE_MAX} px each way"
+            f"The time unit is {time_unit!r}. Allowed is one of {', '.join(UNITS_US)}."
         )
-    check_file(path)
-    return EventFile(path, format or format_of(path), Options(size, time_unit))
+    if size is not None and not all(0 < side <= MAX_SIDE_PX for side in size):
+        raise FormatError(
+            f"The sensor's size is {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px each "
+            "way."
+        )
+    check_readable(path)
+    return EventFile(path, format or identify_format(path), ReadOptions(size, time_unit))
 
 
 def read_events(
@@ -224,7 +237,12 @@ def read_events(
     size: tuple[int, int] | None = None,
     time_unit: str | None = None,
 ) -> Events:
-    """All events of a file at once; for files that fit into memory. Arguments as `open_events`."""
+    """Return all events of a file that fits into memory; the arguments are those of `open_events`.
+
+    Raises:
+        FormatError: the file cannot be read; the message states why.
+        MissingLibraryError: a library is missing; the message states how to install it.
+    """
     with open_events(path, format=format, size=size, time_unit=time_unit) as file:
         chunks = [chunk.events for chunk in file]
     return joined(chunks)
@@ -234,6 +252,3 @@ def _frame(content: bytearray) -> ApsFrame:
     start_us, end_us, width, height = FRAME.unpack_from(content)
     image = np.frombuffer(content, "<u2", offset=FRAME.size).reshape(height, width)
     return ApsFrame(start_us=start_us, end_us=end_us, image=image)
-
-
-__all__ = ["Chunk", "EventFile", "FormatError", "Found", "open_events", "read_events"]

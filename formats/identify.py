@@ -1,4 +1,4 @@
-"""Which format a file has, by what it begins with; its ending says nothing."""
+"""Recognise the format of a file by its first bytes; the ending of its name is not used."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ FORMATS = {
     "npy": "NumPy array",
     "text": "text",
 }
-"""Name of each format that can be read, as `format=` takes it, and what to call it."""
+"""Formats that can be read: name, as `open_events(format=...)` takes it, and description."""
 
-_BEGINNINGS = {
+_MAGIC = {
     b"#!AER-DAT4.": "aedat4",
     b"#!AER-DAT3.1": "aedat3",
     b"#!AER-DAT2.": "aedat2",
@@ -33,80 +33,101 @@ _BEGINNINGS = {
     b"PK\x05\x06": "npz",
     b"\x93NUMPY": "npy",
 }
-_FOREIGN = {
-    b"#!AER-DAT3.0": "an AEDAT 3.0 file; convert it to AEDAT 4 with DV",
-    b"#!AER-DAT1.": "an AEDAT 1 file; convert it to AEDAT 4 with DV",
-    b"#ROSBAG": "a ROS bag; convert it to AEDAT 4 or HDF5 with the driver's own tool",
-    b"\x1f\x8b": "compressed by gzip; unpack it with gunzip first",
-    b"7z\xbc\xaf": "compressed by 7-Zip; unpack it first",
-    b"\xfd7zXZ": "compressed by xz; unpack it with unxz first",
+"""Format of a file by its first bytes (magic number)."""
+
+_CONVERT_WITH_DV = "Convert it to AEDAT 4 with DV."
+_UNSUPPORTED = {
+    b"#!AER-DAT3.0": ("an AEDAT 3.0 file", _CONVERT_WITH_DV),
+    b"#!AER-DAT1.": ("an AEDAT 1 file", _CONVERT_WITH_DV),
+    b"#ROSBAG": ("a ROS bag", "Convert it to AEDAT 4 or HDF5 with the tool of the camera driver."),
+    b"\x1f\x8b": ("compressed by gzip", "Unpack it with gunzip first."),
+    b"7z\xbc\xaf": ("compressed by 7-Zip", "Unpack it first."),
+    b"\xfd7zXZ": ("compressed by xz", "Unpack it with unxz first."),
 }
+"""Known files that cannot be read: description and remedy, by first bytes."""
+
 _EVT = {"2.0": "evt2", "2": "evt2", "2.1": "evt21", "21": "evt21", "3.0": "evt3", "3": "evt3"}
 _HEAD_BYTES = 1 << 14
 
 BINARY_ENDINGS = (
     ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".npy", ".npz",
 )  # fmt: skip
-"""Endings of formats that are not text: such a file without a line of numbers has been cut."""
+"""Endings of binary formats: such a file that looks like text has been truncated."""
 
 
-def check_file(path: Path) -> None:
-    """Refuse what is no file with something in it.
+def check_readable(path: Path) -> None:
+    """Check that a path is a readable file that is not empty.
 
     Raises:
-        FormatError: it does not exist, is a folder, is empty, or may not be read.
+        FormatError: the path does not exist, is a folder or another special file, is empty, or may
+            not be read.
     """
     try:
         if path.is_dir():
-            raise FormatError(f"{path} is a folder; give the file of events in it")
+            raise FormatError(f"{path} is a folder. Give a file of events in it.")
         if not path.exists():
-            raise FormatError(f"{path} does not exist; check its name and folder")
+            raise FormatError(f"{path} does not exist. Check its name and folder.")
         if not path.is_file():
-            raise FormatError(f"{path} is no ordinary file; copy the events into one first")
+            raise FormatError(f"{path} is not a regular file. Copy the events into one first.")
         if path.stat().st_size == 0:
-            raise FormatError(f"{path} is empty (0 bytes); record or copy it again")
+            raise FormatError(f"{path} is empty (0 bytes). Record or copy it again.")
         with path.open("rb"):
             pass
     except OSError as error:
         raise FormatError(
-            f"{path} cannot be read ({error.strerror}); check who may read it"
+            f"{path} cannot be read ({error.strerror}). Check its permissions."
         ) from error
 
 
-def format_of(path: Path) -> str:
-    """Name of the format of a file, one of `FORMATS`.
+def identify_format(path: Path) -> str:
+    """Return the name of a file's format, one of `FORMATS`.
 
     Raises:
-        FormatError: it has none of them.
+        FormatError: the file has none of these formats, or is truncated in its header.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
-    for beginning, name in _BEGINNINGS.items():
-        if head.startswith(beginning):
+    for magic, name in _MAGIC.items():
+        if head.startswith(magic):
             return name
-    for beginning, name in _BEGINNINGS.items():
-        if beginning.startswith(head) and path.suffix.lower() not in (".txt", ".csv"):
-            raise FormatError(
-                f"{path} holds no more than the beginning of a header, as of {FORMATS[name]} "
-                f"(bytes: {len(head)}); it is cut in its header; copy it again"
-            )
-    for beginning, what in _FOREIGN.items():
-        if head.startswith(beginning):
-            raise FormatError(f"{path} is {what}")
+    for magic, name in _MAGIC.items():
+        if magic.startswith(head) and path.suffix.lower() not in (".txt", ".csv"):
+            raise truncated_header(path, head, f" of {FORMATS[name]}")
+    for magic, (description, remedy) in _UNSUPPORTED.items():
+        if head.startswith(magic):
+            raise FormatError(f"{path} is {description}, which cannot be read. {remedy}")
     name = _prophesee(head) if head.startswith(b"%") else ""
     if name:
         return name
     if _is_text(head):
         return "text"
     raise FormatError(
-        f"{path} begins with {head[:8]!r}, as none of the formats that can be read does "
-        f"({', '.join(FORMATS.values())}); a RAW file without its header needs --format evt2, "
-        "evt21 or evt3, and --size"
+        f"{path} begins with {head[:8]!r}, which is none of the formats that can be read. Allowed "
+        f"is {', '.join(FORMATS.values())}. Read a RAW file without a header with --format evt2, "
+        "evt21 or evt3, and --size."
+    )
+
+
+def truncated_header(path: Path, head: bytes, of_format: str = "") -> FormatError:
+    """Return the error for a file that ends within its header.
+
+    Args:
+        path: path of the file.
+        head: all bytes of the file.
+        of_format: the format's description after " of ", if it is known.
+    """
+    return FormatError(
+        f"{path} contains only the beginning of a header{of_format} (bytes: {len(head)}). It was "
+        "truncated in its header. Copy it again."
     )
 
 
 def percent_header(head: bytes) -> tuple[dict[str, str], int]:
-    """Keywords of a Prophesee header, lower case, and where its data begin [bytes]."""
+    """Parse the header of a Prophesee file, whose lines begin with a percent sign.
+
+    Returns:
+        Values by keyword in lower case, and the position where the data begin [bytes].
+    """
     facts: dict[str, str] = {}
     offset = 0
     while head[offset : offset + 2] in (b"% ", b"%\n", b"%\r"):
@@ -132,7 +153,7 @@ def _prophesee(head: bytes) -> str:
 
 
 def _is_text(head: bytes) -> bool:
-    """Whether the first line is one of text; a line further down may still be damaged."""
+    """Return True if the first line is text; later lines may still be damaged."""
     first = head.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
     printable = re.fullmatch(rb"([\t\r\x20-\x7e]|\xc2\xb5)*", first)
     return printable is not None and b"\0" not in head

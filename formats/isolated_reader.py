@@ -1,8 +1,8 @@
-"""A file is parsed in a process of its own, so that a broken one cannot take ours with it.
+"""Read a file through a separate process, so that a damaged file cannot crash this one.
 
-The libraries that decode are written in C, C++ and Rust: a broken file may make them run out of
-memory, stop the process or never come back. There, memory is limited; here, whatever happens to
-it becomes a sentence. On a second core, parsing costs nothing besides.
+The decoding libraries are written in C, C++ and Rust. A damaged file can make them run out of
+memory, abort the process or hang. The separate process has limited memory, and this module turns
+whatever happens to it into an error message. On a second core, parsing takes no extra time.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from formats.columns import Options
+from formats.columns import ReadOptions
 from formats.errors import FormatError
-from formats.parser_process import DAMAGED, MESSAGE, TOO_LARGE, TOO_LARGE_OR_LOST
+from formats.parser_process import DAMAGED, MESSAGE, TOO_LARGE, TOO_LARGE_OR_ABORTED
 
-QUIET_S = 60.0
-"""How long a message may be awaited (assumed: a slow disk and a busy machine) [s]."""
+TIMEOUT_S = 60.0
+"""Longest wait for a message (assumed: long enough for a slow disk on a busy machine) [s]."""
 
-_BOOT = (
+_BOOTSTRAP = (
     "import sys, types; package = types.ModuleType('formats'); package.__path__ = [sys.argv[2]]; "
     "sys.modules['formats'] = package; sys.path.append(sys.argv[3]); "
     "from formats.parser_process import main; main()"
 )
-"""Imports the worker without the package's `__init__`, which imports the bench."""
+"""Imports the parser without `formats/__init__.py`, which imports the emulator."""
 
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
@@ -40,11 +40,17 @@ _ENVIRONMENT = {
 }
 
 
-class Guard:
-    """A running worker and the messages that come from it. Use as a context manager."""
+class IsolatedReader:
+    """A running parser process and the messages that it sends. Use as a context manager."""
 
-    def __init__(self, path: Path, name: str, options: Options) -> None:
-        """Start parsing `path` as the format `name`."""
+    def __init__(self, path: Path, name: str, options: ReadOptions) -> None:
+        """Start to parse a file.
+
+        Args:
+            path: path of the file.
+            name: name of its format, one of `formats.FORMATS`.
+            options: what the user states about the file.
+        """
         self._path = path
         job = {"path": str(path), "format": name, "size": options.size}
         self._process = subprocess.Popen(
@@ -52,7 +58,7 @@ class Guard:
                 sys.executable,
                 "-P",
                 "-c",
-                _BOOT,
+                _BOOTSTRAP,
                 json.dumps(job | {"time_unit": options.time_unit}),
                 str(Path(__file__).parent),
                 str(Path(__file__).parents[1]),
@@ -65,24 +71,24 @@ class Guard:
         assert self._process.stdout is not None
         self._pipe = self._process.stdout
 
-    def __enter__(self) -> Guard:
+    def __enter__(self) -> IsolatedReader:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
-        """Stop the worker, wherever it is."""
+        """Stop the process, whether or not it has finished."""
         self._process.kill()
         self._process.wait()
         with suppress(OSError):
             self._pipe.close()
 
     def messages(self) -> Iterator[tuple[bytes, bytearray]]:
-        """Kind and content of each message up to the end.
+        """Yield the kind and content of each message; see `formats.parser_process`.
 
         Raises:
-            FormatError: the worker complains, dies or says nothing for `QUIET_S`.
+            FormatError: the process reports an error, ends early, or sends nothing for `TIMEOUT_S`.
         """
         while True:
             kind, length = MESSAGE.unpack(self._read(MESSAGE.size))
@@ -98,18 +104,18 @@ class Guard:
         content = bytearray(length)
         view: Any = memoryview(content)
         while view:
-            if not select.select([self._pipe], [], [], QUIET_S)[0]:
-                raise FormatError(f"{self._path} gave nothing for {QUIET_S:.0f} s; {DAMAGED}")
+            if not select.select([self._pipe], [], [], TIMEOUT_S)[0]:
+                raise FormatError(f"{self._path} gave no data for {TIMEOUT_S:.0f} s. {DAMAGED}")
             got = os.readv(self._pipe.fileno(), [view])
             if not got:
-                raise self._death()
+                raise self._exit_error()
             view = view[got:]
         return content
 
-    def _death(self) -> FormatError:
+    def _exit_error(self) -> FormatError:
         code = self._process.wait()
         if code == -signal.SIGKILL:
             return FormatError(f"{self._path} {TOO_LARGE}")
-        if code == -signal.SIGABRT:  # how Rust and C++ end, out of memory or at a loss
-            return FormatError(f"{self._path} {TOO_LARGE_OR_LOST}")
-        return FormatError(f"{self._path} stopped its reader (code {code}); {DAMAGED}")
+        if code == -signal.SIGABRT:  # Rust and C++ abort on a failed allocation or assertion
+            return FormatError(f"{self._path} {TOO_LARGE_OR_ABORTED}")
+        return FormatError(f"{self._path} crashed its parser (exit status {code}). {DAMAGED}")

@@ -1,9 +1,13 @@
-"""The process that parses a file, and what it says to the one that asked.
+"""The process that parses a file, and the messages that it sends to `formats.isolated_reader`.
 
-A message is a kind (one byte), a length (8 bytes, little-endian) and that many bytes. `H`: a JSON
-object with what the file says. `E`: events of `RAW_DTYPE`. `F`: a frame, as start, end, width and
-height (8 bytes each) and pixels of 2 bytes. `W`: still at work. `X`: why it cannot go on. `Z`: the
-end.
+A message is a kind (1 byte), a length (8 bytes, little-endian) and that many bytes of content:
+
+- `H`: header of the file, as a JSON object.
+- `E`: events of `PARSED_DTYPE`.
+- `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes a pixel.
+- `W`: still working; no content.
+- `X`: an error message; no further messages follow.
+- `Z`: end of the file.
 """
 
 from __future__ import annotations
@@ -19,16 +23,16 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from formats.columns import (
-    CLOCK_US,
-    SIDE_MAX,
+    MAX_SIDE_PX,
+    WALL_CLOCK_MIN_US,
     Array,
-    Columns,
-    Item,
-    Options,
-    RawFrame,
+    EventColumns,
+    ParsedFrame,
+    ParsedItem,
+    ReadOptions,
     Size,
-    check_order,
-    pack,
+    check_time_order,
+    to_events,
 )
 from formats.errors import FormatError
 from formats.identify import FORMATS
@@ -36,13 +40,13 @@ from formats.readers import reader_of
 
 MESSAGE = struct.Struct("<cQ")
 FRAME = struct.Struct("<4q")
-MEMORY_BYTES = 1 << 30
-"""Memory that this process may have."""
+MEMORY_LIMIT_BYTES = 1 << 30
+"""Most memory that this process may allocate [bytes]."""
 
 BATCH = 1 << 16
-"""Events from which on a message is sent."""
+"""Events are collected until there are this many, then sent as one message."""
 
-_SENSORS: tuple[Size, ...] = (
+_SENSOR_SIZES: tuple[Size, ...] = (
     (128, 128),
     (240, 180),
     (304, 240),
@@ -51,50 +55,59 @@ _SENSORS: tuple[Size, ...] = (
     (640, 480),
     (1280, 720),
 )
-"""Sizes of the sensors that are sold [px]."""
+"""Width and height of sensors that are sold [px]."""
+
+_TOO_LARGE = f"needs more than {MEMORY_LIMIT_BYTES >> 30} GB of memory to be read"
+_REPAIR = "It is damaged, or compressed in blocks that are too large. Copy it again or convert it."
+TOO_LARGE = f"{_TOO_LARGE}. {_REPAIR}"
+TOO_LARGE_OR_ABORTED = f"{_TOO_LARGE}, or its parser aborted. {_REPAIR}"
+DAMAGED = (
+    "It is truncated, damaged or of another format. Copy it again, or name its format with "
+    "--format."
+)
 
 
 def main() -> None:
     """Parse the file that the first argument, a JSON object, names; write to standard output."""
     job = json.loads(sys.argv[1])
     limit_memory()
-    out = sys.stdout.buffer
-    path, name = Path(job["path"]), job["format"]
-    answer(path, name, Options(tuple(job["size"]) if job["size"] else None, job["time_unit"]), out)
+    size = tuple(job["size"]) if job["size"] else None
+    options = ReadOptions(size, job["time_unit"])
+    parse(Path(job["path"]), job["format"], options, sys.stdout.buffer)
 
 
-def answer(path: Path, name: str, options: Options, out: BinaryIO) -> None:
-    """Parse a file and send all of it, or as much as can be read and why no more."""
+def parse(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> None:
+    """Parse a file and send its content, or the content before an error and then the error.
+
+    Args:
+        path: path of the file.
+        name: name of its format, one of `FORMATS`.
+        options: what the user states about the file.
+        out: stream to write messages to.
+    """
     try:
-        serve(path, name, options, out)
+        _send_file(path, name, options, out)
     except FormatError as error:
-        send(out, b"X", str(error).encode())
+        _send(out, b"X", str(error).encode())
     except BrokenPipeError:
         return
     except MemoryError:
-        send(out, b"X", f"{path} {TOO_LARGE}".encode())
-    except BaseException as error:  # a library's own, and a panic of one in Rust
+        _send(out, b"X", f"{path} {TOO_LARGE}".encode())
+    except BaseException as error:  # errors of decoding libraries, and panics in Rust
         text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        send(out, b"X", f"{path} cannot be read as {FORMATS[name]}: {text}; {DAMAGED}".encode())
-
-
-_TOO_LARGE = f"asks for more than {MEMORY_BYTES >> 30} GB of memory to be read"
-_REPAIR = "; it is damaged, or packed in pieces too large; copy it again, or convert it"
-TOO_LARGE = _TOO_LARGE + _REPAIR
-TOO_LARGE_OR_LOST = f"{_TOO_LARGE}, or its reader gave up{_REPAIR}"
-DAMAGED = "it is cut or damaged, or of another format; copy it again, or name it with --format"
+        _send(out, b"X", f"{path} cannot be read as {FORMATS[name]}: {text}. {DAMAGED}".encode())
 
 
 def limit_memory() -> None:
-    """Let this process have no more than `MEMORY_BYTES`, where the system can do that."""
+    """Limit the memory of this process to `MEMORY_LIMIT_BYTES` on systems that support it."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
-        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_BYTES, MEMORY_BYTES))
+        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_LIMIT_BYTES, MEMORY_LIMIT_BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def send(out: BinaryIO, kind: bytes, *parts: Any) -> None:
+def _send(out: BinaryIO, kind: bytes, *parts: Any) -> None:
     """Write one message."""
     out.write(MESSAGE.pack(kind, sum(memoryview(part).nbytes for part in parts)))
     for part in parts:
@@ -102,107 +115,119 @@ def send(out: BinaryIO, kind: bytes, *parts: Any) -> None:
     out.flush()
 
 
-def serve(path: Path, name: str, options: Options, out: BinaryIO) -> None:
-    """Parse a file and send all of it."""
+def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> None:
     read = reader_of(name)
-    head, items = read(path, options)
-    size, source = options.size or head.size, "the option" if options.size else "the file"
+    header, items = read(path, options)
+    size, source = options.size or header.size, "the option" if options.size else "the file"
     if size is None:
-        size, source = extent(path, items, out), "the events"
-        head, items = read(path, options)
-    if not all(0 < side <= SIDE_MAX for side in size):
+        size, source = infer_size(path, items, out), "the events"
+        header, items = read(path, options)
+    if not all(0 < side <= MAX_SIDE_PX for side in size):
         raise FormatError(
-            f"{path} says that its sensor has {size[0]}x{size[1]} px; allowed is 1 to {SIDE_MAX}; "
-            "give the true size with --size"
+            f"{path} states a sensor of {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px "
+            "each way. Give the true size with --size."
         )
-    first, origin_us = normalised(path, items, size)
-    says = {"size": size, "size_from": source, "says": head.says, "has_frames": head.has_frames}
-    send(out, b"H", json.dumps(says | {"origin_us": origin_us}).encode())
-    for item in batched(first):
-        if isinstance(item, RawFrame):
+    shifted, origin_us = _with_origin(path, items, size)
+    facts = {
+        "size": size,
+        "size_from": source,
+        "facts": header.facts,
+        "has_frames": header.has_frames,
+        "origin_us": origin_us,
+    }
+    _send(out, b"H", json.dumps(facts).encode())
+    for item in _batched(shifted):
+        if isinstance(item, ParsedFrame):
             height, width = item.image.shape
             numbers = FRAME.pack(item.start_us, item.end_us, width, height)
-            send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
+            _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
         elif item.size:
-            send(out, b"E", item.view(np.uint8).data)
-    send(out, b"Z")
+            _send(out, b"E", item.view(np.uint8).data)
+    _send(out, b"Z")
 
 
-def extent(path: Path, items: Iterator[Item], out: BinaryIO) -> Size:
-    """The smallest sensor on sale that the events nearly fill, or as far as they reach [px]."""
+def infer_size(path: Path, items: Iterator[ParsedItem], out: BinaryIO) -> Size:
+    """Return the size of the sensor from the extent of the events [px].
+
+    The result is the smallest common sensor of which the events span at least 90 % each way, or
+    their extent if there is none.
+    """
     width = height = 0
     done = 0
     try:
         for item in items:
-            send(out, b"W")
-            if isinstance(item, Columns) and item.t.size:
-                pack(item, None, path=path, done=done)
+            _send(out, b"W")
+            if isinstance(item, EventColumns) and item.t.size:
+                to_events(item, None, path=path, done=done)
                 done += item.t.size
                 width = max(width, int(item.x.max()) + 1)
                 height = max(height, int(item.y.max()) + 1)
-    except FormatError:  # the second pass gives what comes before, and says this again
+    except FormatError:  # the second pass sends the events before the error, and raises it again
         if not done:
             raise
     if not done:
-        raise FormatError(f"{path} holds no events; give a recording with some, or --size")
-    for columns, rows in _SENSORS:
+        raise FormatError(
+            f"{path} contains no events. Give a recording with events, or its size with --size."
+        )
+    for columns, rows in _SENSOR_SIZES:
         if 0.9 * columns <= width <= columns and 0.9 * rows <= height <= rows:
             return columns, rows
     return width, height
 
 
-def normalised(
-    path: Path, items: Iterator[Item], size: Size
-) -> tuple[Iterator[Array | RawFrame], int]:
-    """Sound events and frames, and what was taken from their times [µs]."""
-    sound = _sound(path, items, size)
-    head: list[Array | RawFrame] = []
-    for item in sound:
+def _with_origin(
+    path: Path, items: Iterator[ParsedItem], size: Size
+) -> tuple[Iterator[Array | ParsedFrame], int]:
+    """Return checked events and frames in time from the origin, and the origin itself [µs]."""
+    checked = _checked(path, items, size)
+    head: list[Array | ParsedFrame] = []
+    for item in checked:
         head.append(item)
-        if isinstance(item, RawFrame) or item.size:
+        if isinstance(item, ParsedFrame) or item.size:
             break
     first = head[-1] if head else None
-    if isinstance(first, RawFrame):
+    if isinstance(first, ParsedFrame):
         first_us = first.start_us
     else:
         first_us = int(first["t"][0]) if first is not None and first.size else 0
-    origin_us = first_us if first_us < 0 or first_us >= CLOCK_US else 0
-    return _shifted(head, sound, origin_us), origin_us
+    origin_us = first_us if first_us < 0 or first_us >= WALL_CLOCK_MIN_US else 0
+    return _shifted(head, checked, origin_us), origin_us
 
 
-def _sound(path: Path, items: Iterator[Item], size: Size) -> Iterator[Array | RawFrame]:
+def _checked(path: Path, items: Iterator[ParsedItem], size: Size) -> Iterator[Array | ParsedFrame]:
     done, last_us = 0, None
     for item in items:
-        if isinstance(item, RawFrame):
+        if isinstance(item, ParsedFrame):
             yield item
             continue
-        events = pack(item, size, path=path, done=done)
+        events = to_events(item, size, path=path, done=done)
         if events.size:
-            check_order(events, last_us, path=path, done=done)
+            check_time_order(events, last_us, path=path, done=done)
             last_us, done = int(events["t"][-1]), done + events.size
             yield events
 
 
 def _shifted(
-    head: list[Array | RawFrame], rest: Iterator[Array | RawFrame], origin_us: int
-) -> Iterator[Array | RawFrame]:
+    head: list[Array | ParsedFrame], rest: Iterator[Array | ParsedFrame], origin_us: int
+) -> Iterator[Array | ParsedFrame]:
     for source in (head, rest):
         for item in source:
-            if isinstance(item, RawFrame):
+            if isinstance(item, ParsedFrame):
                 if item.start_us >= origin_us and item.end_us >= item.start_us:
-                    yield RawFrame(item.start_us - origin_us, item.end_us - origin_us, item.image)
+                    start_us, end_us = item.start_us - origin_us, item.end_us - origin_us
+                    yield ParsedFrame(start_us, end_us, item.image)
                 continue
             item["t"] -= origin_us
             yield item
 
 
-def batched(items: Iterator[Array | RawFrame]) -> Iterator[Array | RawFrame]:
-    """Events in pieces of `BATCH` or more; what is pending is sent before an error."""
+def _batched(items: Iterator[Array | ParsedFrame]) -> Iterator[Array | ParsedFrame]:
+    """Yield frames, and events in arrays of `BATCH` or more; before an error, those collected."""
     pending: list[Array] = []
     count = 0
     try:
         for item in items:
-            if isinstance(item, RawFrame):
+            if isinstance(item, ParsedFrame):
                 yield item
                 continue
             pending.append(item)

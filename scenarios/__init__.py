@@ -1,4 +1,4 @@
-"""The commands of flybench, and everything that needs several packages at once."""
+"""The commands of flybench, and all other code that combines several of its packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command `flybench`: its sub-commands, typed from dataclasses."""
+"""The command `flybench` and its sub-commands."""
 
 from __future__ import annotations
 
@@ -20,7 +20,12 @@ from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
 from scenarios.commands.velocity_sweep import VelocitySweep
 from scenarios.commands.view import View
-from scenarios.output.terminal import script
+from scenarios.output.terminal import run_cli
+
+DESCRIPTION = f"""\
+Test bench for event-camera motion detectors, version {__version__}.
+
+flybench COMMAND --help explains a command. flybench --version prints the version."""
 
 Commands = (
     Annotated[Run, subcommand("run")]
@@ -43,7 +48,7 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:
         print(f"flybench {__version__}")
         return
-    script(Commands)
+    run_cli(Commands, prog="flybench", description=DESCRIPTION)
 
 
 if __name__ == "__main__":

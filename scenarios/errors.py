@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import traceback
+from pathlib import Path
+
 from flybench.errors import FlybenchError
 
 
@@ -10,8 +13,18 @@ class ScenarioError(FlybenchError):
 
 
 class OutputError(ScenarioError):
-    """Something cannot be written where it was asked to be."""
+    """A file or folder cannot be written where the user wants it."""
 
 
 class MethodError(ScenarioError):
-    """A detector does not exist, or does not obey the protocol `detector.Detector`."""
+    """A detector does not exist, or does not follow the protocol `detector.Detector`."""
+
+
+def describe(error: Exception) -> str:
+    """Return an error as one line: its class, its message, and where it was raised."""
+    first_line, *_ = [*str(error).splitlines(), ""]
+    text = f"{type(error).__name__}: {first_line}"
+    if isinstance(error, SyntaxError):  # its message names file and line
+        return text
+    *_, last = traceback.extract_tb(error.__traceback__)
+    return f"{text} ({Path(last.filename).name}, line {last.lineno})"

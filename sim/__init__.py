@@ -1,4 +1,7 @@
-"""The photometric scene: a vehicle crosses a street, in cd/m², with its ground truth."""
+"""The photometric simulation: luminance of a scene in cd/m², with exact ground truth.
+
+`Crossing` simulates a vehicle that crosses a street. `PhotometricCamera` works on any MuJoCo model.
+"""
 
 from flybench.direction import Direction
 from sim.cache.luminance_cache import LuminanceCache
@@ -11,11 +14,13 @@ from sim.geometry.pinhole import Intrinsics, Pose, project
 from sim.motion.trajectory import Profile, Trajectory
 from sim.photometric_camera import PhotometricCamera, open_model
 from sim.preview import Preview, preview_jpegs
+from sim.scene.assets import ASSETS
 from sim.truth.dense_truth import DenseTruth
 from sim.truth.ground_truth import GroundTruth, ObjectTruth
 from sim.truth.probe import TruthProbe
 
 __all__ = [
+    "ASSETS",
     "Crossing",
     "CrossingConfig",
     "DenseTruth",

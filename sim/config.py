@@ -1,4 +1,4 @@
-"""What a crossing is made of, checked when made."""
+"""Configuration of a crossing, checked when it is made."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Lighting(StrEnum):
 
 
 DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
-"""At these, 30, 40, 50 and 60 km/h give the paper's angular velocities, by day and by night; at
-dusk, which the paper has not, as by day."""
+"""Default distances [m]. At these, 30, 40, 50 and 60 km/h give the paper's angular velocities by
+day and by night. Dusk, which is not in the paper, has the distance of the day."""
 
 PAPER_OMEGA_RAD_S = {
     Lighting.DAY: (1.21, 1.61, 2.01, 2.42),
@@ -32,40 +32,43 @@ PAPER_OMEGA_RAD_S = {
 """The paper's angular velocities, Section III: 30, 40, 50 and 60 km/h."""
 
 ILLUMINANCE_LUX = {Lighting.DAY: 30_000.0, Lighting.DUSK: 50.0, Lighting.NIGHT: 10.0}
-"""On the road: a clear day, some twenty minutes after sunset under a clear sky, and a street lit to
-class M4 or so (all assumed)."""
+"""Default illuminance on the road [lux]: a clear day, about twenty minutes after sunset under a
+clear sky, and a street lit to about class M4 (all assumed)."""
 
 
 @dataclass(frozen=True)
 class CrossingConfig:
-    """A vehicle that crosses in front of the camera.
+    """Configuration of a vehicle that crosses in front of the camera.
 
     Attributes:
-        lighting: day, dusk or night.
+        lighting: time of day: day, dusk or night.
         omega_rad_s: angular velocity at closest approach [rad/s]; 1.61 is the paper's 40 km/h by
             day.
-        direction: in the image. Left is a vehicle that drives the other way; up and down are the
-            same crossing seen by a camera rolled by a quarter turn.
+        direction: direction of motion in the image. Left is a vehicle that drives the other way; up
+            and down are the crossing seen by a camera that is rolled by a quarter turn.
         profile: constant speed, or constant angular velocity.
-        vehicle: what drives.
-        paint_reflectance: luminance reflectance of its paint, 0.04 (black) to 0.8 (white); 0.53 is
-            silver (assumed), and 0.13 leaves nearly no contrast to the road by day (measured).
-        distance_m: from the camera to the vehicle's near flank [m]; None: `DISTANCE_M`.
-        illuminance_lux: on the road in front of the camera [lux]; None: `ILLUMINANCE_LUX`.
-        sun_azimuth_deg: by day, where the sun stands: 0 is straight ahead of the camera, positive
-            to its right [deg]; -150 is behind its left shoulder (assumed).
-        sun_elevation_deg: by day, over the horizon [deg] (assumed).
-        street_seed: of all that is drawn at random in the street: façades, trees, parked cars, lit
-            windows.
-        distractors: what else moves or flickers; by default nothing.
-        lead_s: how long before the vehicle enters, and after it has left, the sequence goes on [s];
-            0.15 lets a detector with a 100 ms memory settle (assumed).
-        step_px: the farthest that a point may travel in the image between two samples [px]; see
+        vehicle: kind of vehicle.
+        paint_reflectance: luminance reflectance of the paint, 0.04 (black) to 0.8 (white). 0.53 is
+            silver (assumed). At 0.13 the vehicle has nearly no contrast to the road by day
+            (measured).
+        distance_m: distance from the camera to the near flank of the vehicle [m]; None:
+            `DISTANCE_M`.
+        illuminance_lux: illuminance on the road in front of the camera [lux]; None:
+            `ILLUMINANCE_LUX`.
+        sun_azimuth_deg: azimuth of the sun by day: 0 is straight ahead of the camera, positive to
+            its right [deg]; −150 is behind its left shoulder (assumed).
+        sun_elevation_deg: elevation of the sun by day, above the horizon [deg] (assumed).
+        street_seed: seed of everything that is drawn at random in the street: façades, trees,
+            parked cars and lit windows.
+        distractors: what else moves or flickers; nothing by default.
+        lead_s: time before the vehicle enters and after it has left [s]; 0.15 lets a detector with
+            a memory of 100 ms settle (assumed).
+        step_px: largest distance that a point may move in the image between two samples [px]; see
             `flybench converge`.
-        max_step_ms: the longest step where nothing moves [ms] (assumed).
-        supersample: rendered pixels per sensor pixel, along each axis; see `flybench converge`.
-        keyframe_px: how far an object moves in the image from one keyframe to the next [px]; see
-            `flybench converge`.
+        max_step_ms: longest step when nothing moves [ms] (assumed).
+        supersample: rendered sub-pixels per sensor pixel along each axis; see `flybench converge`.
+        keyframe_px: distance that an object moves in the image from one keyframe to the next [px];
+            see `flybench converge`.
     """
 
     lighting: Lighting = Lighting.DAY
@@ -100,31 +103,31 @@ class CrossingConfig:
         walks = self.distractors.pedestrian is not RelativeDirection.NONE
         if walks and near and self.distance < WALKER_DISTANCE_M:
             raise SceneConfigError(
-                f"distance_m is {self.distance!r} and a pedestrian walks on the near pavement, "
-                f"into the camera; allowed is {WALKER_DISTANCE_M:g} to 12 m then; choose a greater "
-                "distance, or the far pavement"
+                f"distance_m is {self.distance!r} and a pedestrian on the near pavement would walk "
+                f"into the camera. Allowed is {WALKER_DISTANCE_M:g} to 12 m with this pedestrian. "
+                "Choose a greater distance, or the far pavement."
             )
 
     @property
     def distance(self) -> float:
-        """`distance_m`, or what the lighting gives [m]."""
+        """`distance_m`, or the default of the time of day [m]."""
         return DISTANCE_M[self.lighting] if self.distance_m is None else self.distance_m
 
     @property
     def illuminance(self) -> float:
-        """`illuminance_lux`, or what the lighting gives [lux]."""
+        """`illuminance_lux`, or the default of the time of day [lux]."""
         given = self.illuminance_lux
         return ILLUMINANCE_LUX[self.lighting] if given is None else given
 
     def resolved(self) -> dict[str, Any]:
-        """Every field by its name, with the values that stand in for None."""
+        """Return every field by name, with defaults in place of None."""
         stand_in = {"distance_m": self.distance, "illuminance_lux": self.illuminance}
         return asdict(self) | stand_in
 
 
 WALKER_DISTANCE_M = 4.0
-"""At this distance from the target, a camera is over a metre from who walks on its pavement
-(assumed: a metre is enough)."""
+"""Smallest distance to the target with a pedestrian on the near pavement [m]: it leaves more than a
+metre between the pedestrian and the camera (assumed: a metre is enough)."""
 
 _MEMBERS: dict[str, Any] = {
     "lighting": Lighting,
@@ -135,19 +138,19 @@ _MEMBERS: dict[str, Any] = {
 
 RANGES: dict[str, Range] = {
     "omega_rad_s": Range(
-        0.05, 10.0, "rad/s", remedy="For motion the other way, give another direction."
+        0.05, 10.0, "rad/s", remedy="Choose another direction for motion the other way."
     ),
-    "paint_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 white."),
+    "paint_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 is white."),
     "distance_m": Range(
         3.0,
         12.0,
         "m",
         optional=True,
-        remedy="Nearer, the vehicle would drive over the camera's pavement.",
+        remedy="A nearer vehicle would drive over the pavement of the camera.",
     ),
     "illuminance_lux": Range(0.1, 100_000.0, "lux", optional=True),
     "sun_azimuth_deg": Range(-180.0, 180.0, "deg", remedy="Add or subtract 360."),
-    "sun_elevation_deg": Range(5.0, 90.0, "deg", remedy="For a lower sun, choose dusk."),
+    "sun_elevation_deg": Range(5.0, 90.0, "deg", remedy="Choose dusk for a lower sun."),
     "street_seed": Range(0, 2**32 - 1),
     "lead_s": Range(0.05, 10.0, "s"),
     "step_px": Range(0.05, 8.0, "px"),
@@ -158,5 +161,10 @@ RANGES: dict[str, Range] = {
 
 
 def omega_from_speed(speed_km_h: float, distance_m: float) -> float:
-    """Angular velocity at closest approach [rad/s] of a speed [km/h] at a distance [m]: v/d."""
+    """Return the angular velocity v/d at closest approach [rad/s].
+
+    Args:
+        speed_km_h: speed of the vehicle [km/h].
+        distance_m: distance at closest approach [m].
+    """
     return speed_km_h / 3.6 / distance_m

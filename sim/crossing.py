@@ -1,4 +1,4 @@
-"""A crossing, sample by sample: what light reaches the camera, and what is true."""
+"""One crossing of a vehicle: the luminance image and the ground truth of every sample."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ import numpy.typing as npt
 from flybench.direction import Direction
 from sim.cache.key import luminance_key
 from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
-from sim.cache.luminance_file import Light
+from sim.cache.luminance_file import LuminanceSample
 from sim.config import CrossingConfig
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rectangles import Rectangle, hull, points_rectangle, whole
-from sim.keyframes.reprojection import Drawn, Reprojection
+from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance
@@ -28,28 +28,28 @@ from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene, build_scene
-from sim.shadows.moving_light import LightReach
+from sim.shadows.shadows_and_beams import AffectedAreaFinder
 from sim.truth.dense_truth import RATE_STEP_S
 from sim.truth.ground_truth import GroundTruth
 from sim.truth.probe import TruthProbe
 
-BEAM_STEP = 4
-"""The beams alone have no edge sharper than some pixels, so they may move farther in a step
-(assumed)."""
-FLICKER_STEPS = 20
-"""Samples in a period of lamps that flicker (assumed)."""
+BEAM_STEP_FACTOR = 4
+"""Headlight beams may move this many times `step_px` between two samples, because their edges are
+several pixels wide (assumed)."""
+SAMPLES_PER_FLICKER_PERIOD = 20
+"""Samples in one period of the lamps' flicker (assumed)."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """What the camera sees at one instant.
+    """Luminance and ground truth at one instant.
 
     Attributes:
         t_us: time since the start of the sequence [µs].
-        luminance: (height, width) float32 [cd/m²]; the mean over each pixel.
-        truth: of everything that moves, the target first.
-        changed: x0, y0, x1, y1 of a rectangle outside of which the light is exactly as at the
-            sample before, half-open [px].
+        luminance: (height, width) float32 mean luminance of each pixel [cd/m²].
+        truth: ground truth for every moving object, the target first.
+        changed: rectangle x0, y0, x1, y1, half-open [px]. Outside it, every luminance value is
+            exactly that of the previous sample.
     """
 
     t_us: int
@@ -59,7 +59,7 @@ class Sample:
 
 
 class Crossing:
-    """One vehicle's crossing: its scene, its motion, and how it is sampled."""
+    """A vehicle that crosses a street: its scene, its motion and its samples."""
 
     def __init__(
         self,
@@ -68,15 +68,16 @@ class Crossing:
         *,
         cache: LuminanceCache | None = None,
     ) -> None:
-        """Compose the scene and plan the motion; nothing is drawn yet.
+        """Build the scene and plan the motion. Nothing is rendered yet.
 
         Args:
-            config: what to show.
-            intrinsics: the lens and sensor; None: a DAVIS346 behind 6 mm.
-            cache: where the light of `samples` is kept; None: nowhere, it is drawn each time.
+            config: parameters of the scene and of its sampling.
+            intrinsics: lens and sensor; None: a DAVIS346 behind a 6 mm lens.
+            cache: where `samples` stores its luminance and looks it up; None: `samples` renders
+                every time.
 
         Raises:
-            SceneConfigError: the lead time asks for more than the profile can give.
+            SceneConfigError: the lead time reaches beyond the end of the motion profile.
         """
         return_large_blocks()
         self.config, self.cache = config, cache
@@ -86,12 +87,13 @@ class Crossing:
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())
         self._start_s = self.trajectory.time_at_s(-reach_m) - config.lead_s
         self._end_s = self.trajectory.time_at_s(reach_m) + config.lead_s
-        spare_s = config.max_step_ms * 1e-3 + RATE_STEP_S  # asked about, beyond the ends
-        for t_s in (self._start_s - spare_s, self._end_s + spare_s):
+        # Sampling and ground truth look at times slightly beyond both ends: fail here, not there.
+        margin_s = config.max_step_ms * 1e-3 + RATE_STEP_S
+        for t_s in (self._start_s - margin_s, self._end_s + margin_s):
             self.trajectory.position_m(t_s)
         self._data = mujoco.MjData(self.scene.model)
         self.scene.place(self._data, 0.0)
-        self._reach = LightReach(
+        self._reach = AffectedAreaFinder(
             self.scene.model, self._data, self.scene.objects, self.scene.pose, self.intrinsics
         )
 
@@ -101,18 +103,18 @@ class Crossing:
         return round((self._end_s - self._start_s) * 1e6)
 
     def seconds(self, t_us: int) -> float:
-        """Time since closest approach [s] of a time since the start [µs]."""
+        """Convert time since the start of the sequence [µs] to time since closest approach [s]."""
         return self._start_s + t_us * 1e-6
 
     def position_m(self, t_us: int) -> float:
-        """Where the vehicle is on its way [m]."""
+        """Position of the vehicle along its path, 0 at closest approach [m]."""
         return self.trajectory.position_m(self.seconds(t_us))
 
     def times_us(self) -> list[int]:
-        """When the samples are [µs]."""
+        """Times of the samples [µs]."""
         longest_us = round(self.config.max_step_ms * 1e3)
         if flicker := self.scene.flicker:
-            longest_us = min(longest_us, int(1e6 / flicker.rate_hz / FLICKER_STEPS))
+            longest_us = min(longest_us, int(1e6 / flicker.rate_hz / SAMPLES_PER_FLICKER_PERIOD))
         return list(
             sample_times_us(
                 0,
@@ -124,77 +126,83 @@ class Crossing:
         )
 
     def samples(self, times_us: Sequence[int] | None = None) -> Iterator[Sample]:
-        """The sequence, from keyframes; see `sim.keyframes.reprojection`.
+        """Render the sequence from keyframes; see `sim.keyframes.reprojection`.
 
         Args:
-            times_us: increasing, instead of `times_us()` [µs].
+            times_us: strictly increasing sample times [µs]; None: `times_us()`.
 
         Yields:
-            Samples in order of time; each owns its arrays.
+            Samples in order of time. Each owns its arrays.
 
         Raises:
             RendererError: this machine cannot render.
-            SceneConfigError: the times do not rise, or there are none.
+            SceneConfigError: the times are not strictly increasing, or there are none.
         """
         times = self.times_us() if times_us is None else list(times_us)
         if not times or any(late <= early for early, late in itertools.pairwise([-1, *times])):
             raise SceneConfigError(
-                f"the times of the samples are {len(times)} numbers that do not rise from 0 or "
-                "more; allowed is at least one, each later than the one before; sort them"
+                f"times_us holds {len(times)} times that are not strictly increasing from 0. "
+                "Allowed is at least one time of 0 or more, each later than the previous one. "
+                "Sort the times and remove duplicates."
             )
         probe = TruthProbe(self.scene, self.intrinsics)
-        for light in self._kept_light(times):
-            truth = probe.at(light.t_us, self.seconds(light.t_us), light.body)
-            yield Sample(light.t_us, light.luminance, truth, light.changed)
+        for frame in self._cached_luminance(times):
+            truth = probe.measure(frame.t_us, self.seconds(frame.t_us), frame.body)
+            yield Sample(frame.t_us, frame.luminance, truth, frame.changed)
 
-    def draw_ahead(self) -> Iterator[int]:
-        """Draw into the cache what `samples` will read, before anything else takes memory.
+    def render_ahead(self) -> Iterator[int]:
+        """Render into the cache what `samples` will read, before other stages take memory.
 
-        Where all is kept already, or nothing can be, it ends at once; where the cache has no room
-        for so much, as soon as that is known.
+        This ends at once if there is no cache or if the cache holds the sequence already. It ends
+        early if the cache turns out to have no room for the sequence.
 
         Yields:
-            Times of what is drawn, in order [µs].
+            Times of the rendered samples, in order [µs].
 
         Raises:
             RendererError: this machine cannot render.
         """
         if self.cache is None:
             return
-        known = self.cache.drawn
-        with closing(self._kept_light(self.times_us())) as lights:
-            for light in lights:
-                if self.cache.drawn == known or not self.cache.keeps:
+        drawn_before = self.cache.rendered
+        with closing(self._cached_luminance(self.times_us())) as frames:
+            for frame in frames:
+                if self.cache.rendered == drawn_before or not self.cache.stores:
                     return
-                yield light.t_us
+                yield frame.t_us
 
-    def _kept_light(self, times_us: Sequence[int]) -> LuminanceStream:
-        """From the cache where there is one."""
+    def _cached_luminance(self, times_us: Sequence[int]) -> LuminanceStream:
+        """Luminance from the cache if there is one, else from the renderer."""
         if self.cache is None:
-            return self._light(times_us)
-        return self.cache.light(
+            return self._rendered_luminance(times_us)
+        return self.cache.samples(
             luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
-            lambda: self._light(times_us),
+            lambda: self._rendered_luminance(times_us),
         )
 
-    def _light(self, times_us: Sequence[int]) -> LuminanceStream:
-        with self.from_keyframes(times_us) as draw:
-            before = [whole(self.intrinsics)]
+    def _rendered_luminance(self, times_us: Sequence[int]) -> LuminanceStream:
+        with self.keyframe_renderer(times_us) as render:
+            previous = [whole(self.intrinsics)]
             for t_us in times_us:
-                drawn = draw(t_us)
-                changed = hull(before + drawn.rectangles)
-                yield Light(t_us, drawn.luminance, drawn.visible.body, changed)
-                before = drawn.rectangles
+                rendered = render(t_us)
+                changed = hull(previous + rendered.rectangles)
+                yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)
+                previous = rendered.rectangles
 
     @contextmanager
-    def from_keyframes(self, times_us: Sequence[int]) -> Iterator[Callable[[int], Drawn]]:
-        """Give a function that draws samples from keyframes, at times that may not go back [µs].
+    def keyframe_renderer(
+        self, times_us: Sequence[int]
+    ) -> Iterator[Callable[[int], RenderedSample]]:
+        """Open a renderer that makes samples from keyframes.
 
         Args:
-            times_us: increasing; the keyframes are planned on them, and the function takes any time
-                from the first to the last [µs].
+            times_us: strictly increasing times for which the keyframes are planned [µs].
+
+        Yields:
+            Function that renders the sample at a time from the first to the last of `times_us`
+            [µs]. Each call's time must be no earlier than that of the call before.
 
         Raises:
             RendererError: this machine cannot render.
@@ -202,7 +210,7 @@ class Crossing:
         model = luminance_model(self.scene.model)
         lens = steady_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
         with FilamentRenderer(model, lens) as renderer:
-            drawing = Reprojection(
+            reprojection = Reprojection(
                 renderer,
                 model,
                 self.scene,
@@ -213,61 +221,66 @@ class Crossing:
                 spacing_px=self.config.keyframe_px,
                 step_px=self.config.step_px,
             )
-            yield drawing.draw
+            yield reprojection.render
 
     @contextmanager
-    def full_frames(
+    def full_frame_renderer(
         self, supersample: int | None = None, rectangle: Rectangle | None = None
     ) -> Iterator[Callable[[int], Luminance]]:
-        """Give a function that draws the image at a time [µs], nothing taken over.
+        """Open a renderer that renders every frame completely, without keyframes.
 
-        What `samples` is held against. Unlike them it draws the street anew too, whose shadows'
-        edges the renderer moves by a fraction of a pixel with the vehicle.
+        This is the reference that `samples` is compared with. It also renders the background anew
+        for every frame. The renderer then moves the edges of the background's shadows by a
+        fraction of a pixel as the vehicle moves, which does not happen in `samples`.
 
         Args:
-            supersample: rendered pixels per sensor pixel and axis; the configuration's if None.
-            rectangle: which pixels; all if None.
+            supersample: rendered pixels per sensor pixel and axis; None: as configured.
+            rectangle: pixels to render; None: the whole image.
+
+        Yields:
+            Function that renders the luminance at a time [µs].
 
         Raises:
             RendererError: this machine cannot render.
         """
         scene, model = self.scene, luminance_model(self.scene.model)
-        mains = FlickeringLamps(scene.flickering_lights, scene.flickering_materials)
+        lamps = FlickeringLamps(scene.flickering_lights, scene.flickering_materials)
         pixels = rectangle or whole(self.intrinsics)
         size = supersample or self.config.supersample
         with FilamentRenderer(model, self.intrinsics) as renderer:
             data = mujoco.MjData(model)
 
-            def draw(t_us: int) -> Luminance:
+            def render(t_us: int) -> Luminance:
                 t_s = self.seconds(t_us)
                 scene.place(data, t_s)
-                with mains.scaled(model, scene.flicker_factor(t_s)):
+                with lamps.scaled(model, scene.flicker_factor(t_s)):
                     renderer.update(data)
                     return renderer.luminance(scene.pose_at(t_s), pixels, supersample=size)
 
-            yield draw
+            yield render
 
     def _fastest_px_s(self, t_us: int) -> float:
-        """A bound on the image speed of anything that moves in view; 0 where nothing does."""
+        """Upper bound of the image speed of everything in view; 0 if nothing moves."""
         longest_us = round(self.config.max_step_ms * 1e3)
-        before = t_us // longest_us * longest_us
-        return max(self._speed_at_px_s(before), self._speed_at_px_s(before + longest_us))
+        before_us = t_us // longest_us * longest_us
+        return max(self._speed_at_px_s(before_us), self._speed_at_px_s(before_us + longest_us))
 
-    @lru_cache(maxsize=4)  # noqa: B019, which the crossing outlives
+    @lru_cache(maxsize=4)  # noqa: B019, it keeps four crossings alive at most
     def _speed_at_px_s(self, t_us: int) -> float:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
-        reach = self._reach.at(self._data)
-        seen = {obj.name for _, obj, _ in reach.shadows}
-        seen |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
+        reach = self._reach.find(self._data)
+        in_view = {obj.name for _, obj, _ in reach.shadows}
+        in_view |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
+        with_beams = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()
         focal_px = self.intrinsics.focal_px
-        sharp = self.scene.fastest_px_s(t_s, focal_px, seen)
-        lit = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()
-        return max(sharp, self.scene.fastest_px_s(t_s, focal_px, lit) / BEAM_STEP)
+        edges_px_s = self.scene.fastest_px_s(t_s, focal_px, in_view)
+        beams_px_s = self.scene.fastest_px_s(t_s, focal_px, with_beams)
+        return max(edges_px_s, beams_px_s / BEAM_STEP_FACTOR)
 
     def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
         return points_rectangle(corners_m, self.scene.pose, self.intrinsics) is not None
 
     def _half_view_rad(self) -> float:
-        level = self.config.direction in (Direction.RIGHT, Direction.LEFT)
-        return self.intrinsics.half_width_rad if level else self.intrinsics.half_height_rad
+        horizontal = self.config.direction in (Direction.RIGHT, Direction.LEFT)
+        return self.intrinsics.half_width_rad if horizontal else self.intrinsics.half_height_rad

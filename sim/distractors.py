@@ -1,4 +1,4 @@
-"""What else moves or flickers besides the target; each switchable, graded, and off by default."""
+"""Distractors: what moves or flickers besides the target. All are off by default."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sim.errors import SceneConfigError
 
 
 class RelativeDirection(StrEnum):
-    """Whether something is there, and which way it goes compared with the target."""
+    """Direction of a distractor compared with that of the target, or none."""
 
     NONE = "none"
     SAME = "same"
@@ -19,14 +19,14 @@ class RelativeDirection(StrEnum):
 
 
 class Pavement(StrEnum):
-    """Which side of the street: the camera's, where one occludes the target, or the other."""
+    """Side of the street. NEAR is that of the camera; a pedestrian there occludes the target."""
 
     NEAR = "near"
     FAR = "far"
 
 
 class VehicleKind(StrEnum):
-    """What drives."""
+    """Kinds of vehicles."""
 
     SEDAN = "sedan"
     VAN = "van"
@@ -34,33 +34,33 @@ class VehicleKind(StrEnum):
 
 
 MAINS_HZ = (0, 100, 120)
-"""Twice the mains' frequency, 50 or 60 Hz; 0: lamps on direct current."""
+"""Flicker rates: twice the frequency of the mains (50 or 60 Hz); 0: lamps on direct current."""
 
 
 @dataclass(frozen=True)
 class Distractors:
-    """What else moves or flickers.
+    """Distractors of a crossing.
 
     Attributes:
         wind_grade: Beaufort number of the wind in the trees; 0 is calm.
-        far_vehicle: a second vehicle in the far lane, and which way it goes.
-        far_vehicle_kind: what it is.
+        far_vehicle: direction of a second vehicle in the far lane.
+        far_vehicle_kind: kind of the second vehicle.
         far_vehicle_speed_m_s: its speed [m/s]; 10 is 36 km/h (assumed).
-        far_vehicle_lag_s: how long after the target it passes the camera [s].
-        far_vehicle_reflectance: of its paint; 0.25 is a grey (assumed).
-        pedestrian: one who walks along the pavement, and which way.
-        pedestrian_pavement: on which side.
+        far_vehicle_lag_s: time after the target at which it passes the camera [s].
+        far_vehicle_reflectance: reflectance of its paint; 0.25 is a grey (assumed).
+        pedestrian: direction of a pedestrian on the pavement.
+        pedestrian_pavement: side of the street on which the pedestrian walks.
         pedestrian_speed_m_s: walking speed [m/s]; 1.4 is usual (Bohannon 1997).
-        pedestrian_lag_s: how long after the target the walker passes the camera [s].
-        shake_rms_deg: root mean square of the camera's rotation about each of its axes [deg]; 0.1
-            shifts a DAVIS346's image behind 6 mm by 0.57 px.
-        shake_corner_hz: above it the shake's angles fall off [Hz]; 4 is a tripod in gusts or a
-            hand that holds the camera (assumed).
-        flicker_hz: of mains-driven lamps [Hz]: 100 or 120; 0 for none.
-        flicker_depth: (max - min) / (max + min) of their light, as IEEE 1789-2015 defines it; an
-            incandescent lamp has about 0.1, one whose light follows the current up to 1 (0.2 is
+        pedestrian_lag_s: time after the target at which the pedestrian passes the camera [s].
+        shake_rms_deg: root mean square rotation of the camera about each of its axes [deg]; 0.1
+            shifts the image of a DAVIS346 behind 6 mm by 0.57 px.
+        shake_corner_hz: corner frequency above which the shake falls off [Hz]; 4 is a tripod in
+            gusts or a hand-held camera (assumed).
+        flicker_hz: flicker rate of lamps on the mains [Hz]: 100 or 120; 0: no flicker.
+        flicker_depth: (max − min) / (max + min) of their output, as IEEE 1789-2015 defines it. An
+            incandescent lamp has about 0.1, a lamp that follows the current up to 1 (0.2 is
             assumed).
-        seed: of the wind and the shake.
+        seed: seed of the wind and the shake.
     """
 
     wind_grade: int = 0
@@ -87,18 +87,18 @@ class Distractors:
         check_ranges(self, RANGES, SceneConfigError)
         if self.flicker_hz not in MAINS_HZ:
             raise SceneConfigError(
-                f"flicker_hz is {self.flicker_hz!r}; allowed is one of 0, 100 and 120 Hz, twice "
-                "the mains' frequency; choose one of them"
+                f"flicker_hz is {self.flicker_hz!r}. Allowed is 0, 100 or 120 Hz, twice the "
+                "frequency of the mains. Choose one of them."
             )
 
     @property
     def shakes(self) -> bool:
-        """Whether the camera moves."""
+        """True if the camera shakes."""
         return self.shake_rms_deg > 0
 
     @property
     def flickers(self) -> bool:
-        """Whether the lamps on the mains do."""
+        """True if the lamps on the mains flicker."""
         return self.flicker_hz > 0 and self.flicker_depth > 0
 
 
@@ -110,13 +110,13 @@ _MEMBERS: dict[str, Any] = {
 }
 
 RANGES: dict[str, Range] = {
-    "wind_grade": Range(0, 8, remedy="Above it, branches break."),
-    "far_vehicle_speed_m_s": Range(0.5, 40.0, "m/s", remedy="For the other way, set far_vehicle."),
-    "far_vehicle_lag_s": Range(-60.0, 60.0, "s"),
-    "far_vehicle_reflectance": Range(0.04, 0.8, remedy="Black paint to white."),
-    "pedestrian_speed_m_s": Range(
-        0.3, 2.5, "m/s", remedy="Faster ones run, and no gait here does."
+    "wind_grade": Range(0, 8, remedy="Branches break above 8."),
+    "far_vehicle_speed_m_s": Range(
+        0.5, 40.0, "m/s", remedy="Set far_vehicle for the other direction."
     ),
+    "far_vehicle_lag_s": Range(-60.0, 60.0, "s"),
+    "far_vehicle_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 is white."),
+    "pedestrian_speed_m_s": Range(0.3, 2.5, "m/s", remedy="There is no running gait."),
     "pedestrian_lag_s": Range(-60.0, 60.0, "s"),
     "shake_rms_deg": Range(0.0, 3.0, "deg"),
     "shake_corner_hz": Range(0.5, 50.0, "Hz"),

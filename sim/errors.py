@@ -14,4 +14,4 @@ class SceneConfigError(SimError):
 
 
 class RendererError(SimError, RuntimeError):
-    """This machine cannot render, or the renderer was asked for what it has not."""
+    """This machine cannot render, or the renderer lacks what was asked for."""

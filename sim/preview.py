@@ -1,4 +1,4 @@
-"""A colour picture of a crossing for the eye, drawn beside the photometric samples."""
+"""Colour preview images of a crossing, rendered separately from the photometric samples."""
 
 from __future__ import annotations
 
@@ -20,22 +20,25 @@ from sim.scene.lighting import SKY_TEXTURE
 from sim.scene.scene import Scene
 
 PREVIEW_LUX = 60_000.0
-"""What the preview's eye is adapted to (by eye)."""
+"""Illuminance for which the preview is exposed [lux] (chosen by eye)."""
 PREVIEW_SKY_RGB = (170, 205, 255)
-"""Of a sky that the picture shows blue (by eye)."""
+"""Colour of the sky in the preview, sRGB (chosen by eye)."""
 PREVIEW_SCALE = 1.5
-"""Points per sensor pixel and axis: 519×390, about what a quarter of a wide screen shows
+"""Preview pixels per sensor pixel and axis. This gives 519×390, about a quarter of a wide screen
 (assumed)."""
 JPEG_QUALITY = 85
-"""Of a picture that is for the eye only (by eye)."""
+"""JPEG quality of the preview, 0 to 100 (chosen by eye)."""
 _LENGTH = struct.Struct("<I")
 
 
 class Preview:
-    """Draws a crossing in colour, exposed for its light; use as a context manager."""
+    """Renders a crossing in colour, exposed for its illuminance. Use as a context manager."""
 
     def __init__(self, crossing: Crossing) -> None:
-        """Set up a second renderer.
+        """Set up a separate renderer for the colour model.
+
+        Args:
+            crossing: crossing to show.
 
         Raises:
             RendererError: this machine cannot render.
@@ -51,8 +54,16 @@ class Preview:
     def __exit__(self, *_: object) -> None:
         self._renderer.close()
 
-    def draw(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> npt.NDArray[np.uint8]:
-        """The street at a time [µs]: (height·scale, width·scale, 3) uint8 sRGB."""
+    def render(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> npt.NDArray[np.uint8]:
+        """Render the street at one time.
+
+        Args:
+            t_us: time since the start of the sequence [µs].
+            scale: preview pixels per sensor pixel and axis.
+
+        Returns:
+            (height·scale, width·scale, 3) uint8 sRGB.
+        """
         scene, t_s = self._crossing.scene, self._crossing.seconds(t_us)
         scene.place(self._data, t_s)
         self._renderer.update(self._data)
@@ -60,11 +71,11 @@ class Preview:
 
 
 def preview_model(scene: Scene) -> mujoco.MjModel:
-    """The scene in colour, its light scaled to what a picture for the eye is exposed for."""
+    """Return the scene's model in colour, with its lights scaled to the preview's exposure."""
     model = copy.copy(scene.model)
     gain = PREVIEW_LUX / scene.config.illuminance
     model.light_intensity[:] *= gain
-    model.mat_emission[:] *= gain**0.25  # by eye: lamps in full would lose their hue
+    model.mat_emission[:] *= gain**0.25  # by eye: at full gain lamps turn white
     windows = [k for k in range(model.nmat) if model.mat(k).name.startswith(LIT_WINDOW)]
     model.mat_emission[windows] *= gain**0.6
     sky = int(model.tex_adr[model.texture(SKY_TEXTURE).id])
@@ -73,40 +84,42 @@ def preview_model(scene: Scene) -> mujoco.MjModel:
 
 
 def preview_jpegs(crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
-    """A colour picture at each time, as JPEG; kept in the crossing's cache where it has one.
+    """Return a colour image at each time as JPEG, from the crossing's cache if it has one.
 
     Args:
-        crossing: what to show.
-        times_us: when, in any order [µs].
+        crossing: crossing to show.
+        times_us: times in any order [µs].
 
     Raises:
-        RendererError: this machine cannot render, and they are not kept.
+        RendererError: the images are not in the cache, and this machine cannot render.
     """
 
-    def draw() -> bytes:
-        return _joined(_drawn(crossing, times_us))
+    def rendered() -> bytes:
+        return _joined(_rendered(crossing, times_us))
 
     if crossing.cache is None:
-        return list(_drawn(crossing, times_us))
-    light = luminance_key(crossing.config, crossing.scene.model, crossing.intrinsics, times_us)
-    key = hashlib.sha256(f"previews of {light}".encode()).hexdigest()
-    return _parted(crossing.cache.kept(key, draw))
+        return list(_rendered(crossing, times_us))
+    of_luminance = luminance_key(
+        crossing.config, crossing.scene.model, crossing.intrinsics, times_us
+    )
+    key = hashlib.sha256(f"previews of {of_luminance}".encode()).hexdigest()
+    return _split(crossing.cache.get_or_make(key, rendered))
 
 
-def _drawn(crossing: Crossing, times_us: Sequence[int]) -> Iterator[bytes]:
+def _rendered(crossing: Crossing, times_us: Sequence[int]) -> Iterator[bytes]:
     with Preview(crossing) as preview:
         for t_us in times_us:
-            bgr = cv2.cvtColor(preview.draw(t_us), cv2.COLOR_RGB2BGR)
+            bgr = cv2.cvtColor(preview.render(t_us), cv2.COLOR_RGB2BGR)
             yield cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
 
 
 def _joined(parts: Iterable[bytes]) -> bytes:
-    """Each after its length."""
+    """Join byte strings into one, each preceded by its length."""
     return b"".join(_LENGTH.pack(len(part)) + part for part in parts)
 
 
-def _parted(joined: bytes) -> list[bytes]:
-    """What `_joined` joined."""
+def _split(joined: bytes) -> list[bytes]:
+    """Undo `_joined`."""
     parts, at = [], 0
     while at < len(joined):
         start = at + _LENGTH.size

@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = (
+    "docs/limits.md",
     "README.md",
     "sim/README.md",
     "emulator/README.md",

@@ -32,15 +32,15 @@ LAYERS = {
         "characterisation"
     ),
     "detector": (
-        "errors estimate event_checks windowed fly metrics frame_fly contrast_maximisation "
-        "plane_fit"
+        "errors estimate event_checks windowed decision fly metrics frame_fly "
+        "contrast_maximisation plane_fit"
     ),
     "formats": (
         "errors columns identify readers parser_process isolated_reader event_file writers"
     ),
     "scenarios": (
-        "errors options output pipeline recording runs datasheet convergence detect emulate "
-        "envelope sweep study commands cli"
+        "errors options output pipeline options.method recording runs datasheet convergence "
+        "detect emulate envelope sweep velocity_sweep study commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 ASSETS = Path(__file__).parents[1] / "sim" / "assets"
 SEED = 1
-"""Of all that is random in textures and meshes (any number does)."""
+"""Seed of all textures and meshes (any number works)."""
 Image = npt.NDArray[np.float64]
 
 
@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def noise(rng: np.random.Generator, size: int, scale_px: float) -> Image:
-    """Smooth tiling noise, zero mean and unit deviation, with features of about `scale_px`."""
+    """Return smooth tiling noise: zero mean, unit deviation, features of about `scale_px`."""
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(size), np.fft.fftfreq(size)))
     spectrum = np.fft.fft2(rng.standard_normal((size, size)))
     image = np.fft.ifft2(spectrum * np.exp(-((frequency * scale_px) ** 2) * 4)).real
@@ -45,7 +45,7 @@ def noise(rng: np.random.Generator, size: int, scale_px: float) -> Image:
 
 
 def asphalt(rng: np.random.Generator, size: int = 1024) -> Image:
-    """Stones of a few millimetres in tar, with worn patches and a mended crack."""
+    """Return asphalt: stones of a few millimetres in tar, with worn patches and a mended crack."""
     grain = 0.08 * noise(rng, size, 1.5) + 0.05 * noise(rng, size, 5)
     wear = 0.05 * noise(rng, size, 60) + 0.04 * noise(rng, size, 160)
     crack = np.abs(noise(rng, size, 120)) < 0.012
@@ -53,7 +53,7 @@ def asphalt(rng: np.random.Generator, size: int = 1024) -> Image:
 
 
 def paving(rng: np.random.Generator, size: int = 1024, stones: int = 16) -> Image:
-    """Square concrete slabs, each of its own shade, with dark joints."""
+    """Return paving: square concrete slabs of different shades with dark joints."""
     shade = np.kron(rng.normal(0.72, 0.07, (stones, stones)), np.ones((size // stones,) * 2))
     edge = np.arange(size) % (size // stones) < 2
     image = shade + 0.06 * noise(rng, size, 2) + 0.04 * noise(rng, size, 30)
@@ -63,7 +63,7 @@ def paving(rng: np.random.Generator, size: int = 1024, stones: int = 16) -> Imag
 
 
 def brick(rng: np.random.Generator, size: int = 1024, courses: int = 32, bricks: int = 16) -> Image:
-    """Running bond: courses of bricks of uneven firing, offset by half, in light mortar."""
+    """Return brickwork in running bond: bricks of different shades in light mortar."""
     height, length = size // courses, size // bricks
     rows, columns = np.mgrid[0:size, 0:size]
     course = rows // height
@@ -75,18 +75,18 @@ def brick(rng: np.random.Generator, size: int = 1024, courses: int = 32, bricks:
 
 
 def plaster(rng: np.random.Generator, size: int = 512) -> Image:
-    """Rough render with stains."""
+    """Return rough plaster with stains."""
     return np.clip(0.8 + 0.04 * noise(rng, size, 1.5) + 0.05 * noise(rng, size, 70), 0.3, 1)
 
 
 def foliage(rng: np.random.Generator, size: int = 256) -> Image:
-    """Leaves: bright blades over dark gaps."""
+    """Return foliage: bright leaves over dark gaps."""
     blades = noise(rng, size, 6) + 0.7 * noise(rng, size, 3)
     return np.clip(0.45 + 0.28 * np.tanh(1.2 * blades) + 0.05 * noise(rng, size, 40), 0.08, 1)
 
 
 def bark(rng: np.random.Generator, size: int = 128) -> Image:
-    """Furrows along the trunk."""
+    """Return bark: furrows along the trunk."""
     furrows = cv2.GaussianBlur(np.tile(noise(rng, size, 2), (3, 1)), (1, 31), 0)[size : 2 * size]
     return np.clip(0.6 + 0.25 * furrows, 0.1, 1)
 

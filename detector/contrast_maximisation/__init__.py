@@ -1,1 +1,1 @@
-"""Contrast maximisation: the image velocity that makes the warped events sharpest."""
+"""Contrast maximisation: the image velocity for which the image of warped events is sharpest."""

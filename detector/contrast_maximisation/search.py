@@ -1,8 +1,10 @@
-"""The search for the velocity of highest reward: coarse to fine, cold or warm.
+"""The search for the velocity of highest reward, from coarse to fine, with or without a start.
 
-How sharp a reward's peak is follows from the image: a candidate that is wrong by Δv smears the
-events of a window T over Δv·T. So a grid of steps s/T with an image of pixels s misses no peak,
-and halving s halves the steps.
+The width of a reward's peak follows from the image: a candidate that is wrong by Δv smears the
+events of a window T over Δv·T. A grid with steps of s/T and an image with pixels of side s
+therefore miss no peak, and halving s halves the steps.
+
+A cold search scans all velocities up to a limit. A warm search starts from a given velocity.
 """
 
 from __future__ import annotations
@@ -20,27 +22,30 @@ RewardAt = Callable[[F64, float], F64]
 Candidate = tuple[float, float]
 
 _COARSEST_PX = 4.0
-"""Pixel side of the cold search's grid: narrower than what edges of a vehicle are apart
-(assumed)."""
+"""Pixel side in the scan of a cold search [px]: less than the distance between the edges of a
+vehicle (assumed)."""
 _FINEST_SMEAR_PX = 1 / 4
-"""Step of the last grid, as the distance it smears over: under it a reward is a parabola. Steps of
-1/16 changed no error on drawn dots of 120 to 1000 px/s by more than 0.03 px/s."""
+"""Step of the last grid, as the distance over which it smears events [px]; within it a reward is a
+parabola. Steps of 1/16 px changed no error on synthetic dots of 120 to 1000 px/s by more than
+0.03 px/s."""
 _FIT_SMEAR_PX = 1 / 4
-"""Half the step of the fit's samples on either side of the peak, likewise (assumed)."""
+"""Step between the samples of the parabola fit, as the distance over which it smears events [px]
+(assumed)."""
 _KEPT = (8, 3, 1)
-"""Candidates that are followed to images of 4, 2 and 1 px (assumed)."""
+"""Number of candidates that are followed to images with pixels of 4, 2 and 1 px (assumed)."""
 _WARM_PX = 2.0
-"""Pixel side of the warm search's grid, which spans two of its steps to all sides (assumed): 80
-px/s with windows of 50 ms, the change of speed of 1600 px/s² over one window."""
+"""Pixel side in a warm search near its start [px]. Its grid has two steps to all sides (assumed):
+80 px/s with windows of 50 ms, which is an acceleration of 1600 px/s² over one window."""
 _GLANCE_PX = 8.0
-"""Pixel side of the warm search's glance, as coarse as leads to a hill's foot (assumed): from there
-it climbs with all events."""
+"""Pixel side in the scan of a warm search [px]. It is coarse and only leads to the foot of a peak;
+from there the search climbs with all events (assumed)."""
 _MOST_CLIMBS = 20
-"""Moves of a grid's centre before the next finer grid (assumed); a peak is 1 to 3 away."""
+"""Largest number of moves of a grid before the next finer grid (assumed). A peak is 1 to 3 moves
+away."""
 
 
-class _Known:
-    """Rewards, each asked for once: grids share points with those before them."""
+class _CachedRewards:
+    """Rewards that are computed once: a grid shares points with the grids before it."""
 
     def __init__(self, reward_at: RewardAt) -> None:
         self._reward_at = reward_at
@@ -62,15 +67,15 @@ def search_cold(
     limit_px_s: float,
     survey_at: RewardAt | None = None,
 ) -> Candidate:
-    """Highest reward among all velocities up to a limit.
+    """Return the velocity of highest reward among all velocities up to a limit.
 
     Args:
-        reward_at: the reward of candidates.
+        reward_at: rewards of candidates.
         window_s: T, span of the events [s].
-        limit_px_s: highest speed looked for [px/s].
-        survey_at: the same by a part of the events, for the first look all over; None: by all.
+        limit_px_s: highest speed that is searched [px/s].
+        survey_at: rewards from fewer events, for the first scan; None: `reward_at`.
     """
-    step, reward_at = _COARSEST_PX / window_s, _Known(reward_at)
+    step, reward_at = _COARSEST_PX / window_s, _CachedRewards(reward_at)
     grid = disc(limit_px_s, step)
     best = _peaks(
         grid, (survey_at or reward_at)(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0]
@@ -92,18 +97,18 @@ def search_warm(
     window_s: float,
     limit_px_s: float,
 ) -> Candidate:
-    """Highest reward near a velocity, such as the window before's, or where a glance leads.
+    """Return the velocity of highest reward near a start or near the best of a cheap scan.
 
-    Looking near the start alone would keep to a lower peak for as long as it is one.
+    A search near the start alone would stay on a lower peak for as long as that peak exists.
 
     Args:
-        reward_at: the reward of candidates.
-        glance_at: the same by a part of the events, cheap enough to look all over.
-        start: velocity to start from [px/s].
+        reward_at: rewards of candidates.
+        glance_at: rewards from few events, cheap enough to scan all velocities.
+        start: velocity to start from, such as that of the previous window [px/s].
         window_s: T, span of the events [s].
-        limit_px_s: highest speed looked for [px/s].
+        limit_px_s: highest speed that is searched [px/s].
     """
-    step, reward_at = _WARM_PX / window_s, _Known(reward_at)
+    step, reward_at = _WARM_PX / window_s, _CachedRewards(reward_at)
     near = start + square(2, step)
     found = reward_at(near, _WARM_PX)
     best = [_climb(reward_at, _pair(near[int(found.argmax())]), step / 2, 1.0)]
@@ -122,26 +127,26 @@ def _pair(velocity: F64) -> Candidate:
 
 
 def disc(radius: float, step: float) -> F64:
-    """Points of a square grid with (0, 0) no farther from it than `radius`, (n, 2)."""
+    """Return the points of a square grid through (0, 0) within `radius` of it, (n, 2)."""
     reach = math.ceil(radius / step)
     grid = square(reach, step)
     return np.asarray(grid[np.hypot(*grid.T) <= radius], np.float64)
 
 
 def square(reach: int, step: float) -> F64:
-    """Points of a square grid around (0, 0), `reach` steps to all sides, (n, 2)."""
+    """Return the points of a square grid around (0, 0), `reach` steps to all sides, (n, 2)."""
     return np.asarray(_unit_square(reach) * step, np.float64)
 
 
 @lru_cache(maxsize=8)
 def _unit_square(reach: int) -> npt.NDArray[np.int64]:
-    """The same in steps; not to be changed."""
+    """Return the points of `square` in steps, (n, 2); cached, so callers must not change it."""
     axis = np.arange(-reach, reach + 1)
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
 
 
 def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Candidate]:
-    """The highest points of all, none nearer to a higher one than `apart` along both axes."""
+    """Return the highest points, each more than `apart` along an axis from every higher one."""
     chosen: list[Candidate] = []
     for n in np.argsort(-found, kind="stable"):
         x, y = float(points[n, 0]), float(points[n, 1])
@@ -155,7 +160,7 @@ def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Candid
 def _climb(
     reward_at: RewardAt, start: Candidate, step: float, scale_px: float
 ) -> tuple[Candidate, float]:
-    """Move a grid of 3×3 candidates until its centre is the best."""
+    """Move a grid of 3×3 candidates until its centre is the best; return it and its reward."""
     around = square(1, step)
     here, best = start, -math.inf
     for _ in range(_MOST_CLIMBS):
@@ -170,7 +175,7 @@ def _climb(
 
 
 def _refine(reward_at: RewardAt, start: Candidate, step: float, window_s: float) -> Candidate:
-    """Halve the steps at pixels of 1 px, then take the peak of a fitted parabola."""
+    """Halve the steps with image pixels of 1 px, then return the peak of a fitted paraboloid."""
     here = start
     while step > _FINEST_SMEAR_PX / window_s:
         step /= 2
@@ -181,14 +186,14 @@ def _refine(reward_at: RewardAt, start: Candidate, step: float, window_s: float)
 
 
 def parabola_peak(offsets: F64, values: F64) -> Candidate:
-    """Peak of the paraboloid through samples, by least squares; (0, 0) where there is none.
+    """Return the peak of the least-squares paraboloid through samples; (0, 0) if it has none.
 
     Args:
-        offsets: (n, 2) where the samples lie around the best.
+        offsets: (n, 2) positions of the samples, relative to the best candidate.
         values: (n,) samples.
 
     Returns:
-        (x, y), never farther out than the samples.
+        (x, y), never farther out than the samples; (0, 0) instead.
     """
     unit = float(np.abs(offsets).max())
     x, y = (offsets / unit).T

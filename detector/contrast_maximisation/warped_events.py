@@ -1,8 +1,8 @@
-"""What the events of a window are worth, warped along a velocity.
+"""Rewards of the events of a window, warped along candidate velocities.
 
-The better the candidate, the fewer pixels the events of an edge share, and the higher the contrast
-of their image; see `detector.contrast_maximisation.warped_image`. Rewards are sums over all pixels
-there could be, divided by the number of a fixed area.
+The better the candidate, the fewer pixels the events of an edge cover, and the higher the contrast
+of their image; see `detector.contrast_maximisation.warped_image`. A reward is a sum over all pixels
+of the image, divided by the number of pixels in a fixed area.
 """
 
 from __future__ import annotations
@@ -30,30 +30,30 @@ F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
 _RUNS = 16
-"""Runs of events whose boxes bound the image (assumed): of 3 ms in windows of 50 ms, in which what
-moves by 1000 px/s moves by 3 px."""
+"""Number of runs of events whose boxes bound the image (assumed). In windows of 50 ms a run spans
+3 ms, in which an object at 1000 px/s moves by 3 px."""
 
 
 class Reward(IntEnum):
-    """What the image of warped events, of pixels h, is worth."""
+    """A measure of the contrast of the image of warped events, whose pixels are h."""
 
     VARIANCE = VARIANCE
     """Mean of (h − h̄)² (Gallego and Scaramuzza, 2017)."""
     GRADIENT = GRADIENT
-    """Mean of |∇h|², by differences of neighbours (Gallego, Gehrig and Scaramuzza, 2019)."""
+    """Mean of |∇h|², from differences of neighbours (Gallego, Gehrig and Scaramuzza, 2019)."""
     SUPPRESSED = SUPPRESSED
-    """Mean of e^(−p·h), the sum of suppressed accumulations: how much stays empty (Stoffregen and
-    Kleeman, 2019)."""
+    """Mean of e^(−p·h), the sum of suppressed accumulations: the share of the image that is empty
+    (Stoffregen and Kleeman, 2019)."""
     COMBINED = COMBINED
     """Mean of h² times mean of e^(−p·h), the reward R₁ of Stoffregen and Kleeman (2019)."""
 
 
 def centred_points(events: Events, *, most: int, middle_us: float) -> F32:
-    """Events as numbers: x [px], y [px] and the time from the window's middle [s].
+    """Return x [px], y [px] and the time from the middle of the window [s] of each event.
 
     Args:
         events: sorted by t.
-        most: of more events, so many are taken, evenly.
+        most: largest number of events; from more events, this many are taken, evenly.
         middle_us: middle of the window [µs].
 
     Returns:
@@ -74,10 +74,11 @@ def _centre(events: Any, middle_us: float, points: Any) -> None:
 
 
 def _boxes(points: F32, number: int) -> F64:
-    """Least and greatest x, y and t of so many runs of events, or of fewer, (2, 3, runs).
+    """Return the least and greatest x, y and t of each run of events, (2, 3, runs).
 
-    Runs of events in order of time are short, so that the box of a warped run is little larger
-    than the run, and no candidate needs a look at every event to know how large its image is.
+    A run is a sequence of successive events. It is short, so that the box of a warped run is little
+    larger than the run. The size of a candidate's image then follows from the boxes, without a pass
+    over the events. There are fewer runs than `number` if there are fewer events.
     """
     events = points.shape[1]
     runs = min(number, events)
@@ -87,87 +88,87 @@ def _boxes(points: F32, number: int) -> F64:
 
 
 class WarpedEvents:
-    """The events of a window, and the memory for an image of them."""
+    """The events of a window, with reusable memory for their image."""
 
     def __init__(self, points: F32, *, reward: Reward, area_px: float) -> None:
-        """Get ready to warp.
+        """Prepare the events.
 
         Args:
             points: x [px], y [px] and t [s] from the middle of the window, (3, events) float32;
-                in order of t, for the best speed.
-            reward: what counts.
-            area_px: fixed area that the means are taken over [px²].
+                fastest if sorted by t.
+            reward: measure of contrast.
+            area_px: fixed area over which means are taken [px²].
         """
         self._points, self._kind, self._area_px = points, int(reward), area_px
         self._boxes, self._box = _boxes(points, _RUNS), _boxes(points, 1)
-        self._room = np.zeros(0, np.float32)
+        self._buffer = np.zeros(0, np.float32)
 
     @property
     def number(self) -> int:
-        """How many events there are."""
+        """Number of events."""
         return int(self._points.shape[1])
 
     def rewards(self, velocities: F64, scale_px: float) -> F64:
-        """Reward of each candidate velocity.
+        """Return the reward of each candidate velocity.
 
         Args:
             velocities: candidates, (n, 2), x and y [px/s].
-            scale_px: side of the image's pixels [px].
+            scale_px: side of an image pixel [px].
 
         Returns:
-            (n,) float64, to be compared at one scale alone; 0 where there are no events.
+            (n,) float64, comparable at one scale only; 0 if there are no events.
         """
         found = np.zeros(len(velocities))
         if self.number:
-            room, scale = self._room_for(velocities, scale_px), self._scale(scale_px)
-            rewards_of(self._points, self._boxes, velocities, scale, self._kind, room, found)
+            buffer, scale = self._buffer_for(velocities, scale_px), self._scale(scale_px)
+            rewards_of(self._points, self._boxes, velocities, scale, self._kind, buffer, found)
         return found
 
     def rewards_by_chance(
         self, velocity: tuple[float, float], scale_px: float, orders: npt.NDArray[np.int32]
     ) -> F64:
-        """Reward of a velocity when the events have exchanged their times.
+        """Return the rewards of a velocity after the events have exchanged their times.
 
         Args:
             velocity: x and y [px/s].
-            scale_px: side of the image's pixels [px].
-            orders: (n, events) int32: event number i gets the time of event number orders[·, i].
+            scale_px: side of an image pixel [px].
+            orders: (n, events) int32; event number i gets the time of event number orders[·, i].
 
         Returns:
-            (n,) float64; 0 where there are no events.
+            (n,) float64, one reward per order; 0 if there are no events.
         """
         found = np.zeros(len(orders))
         if self.number:
-            room, scale = self._room_for(np.array([velocity]), scale_px), self._scale(scale_px)
+            buffer, scale = self._buffer_for(np.array([velocity]), scale_px), self._scale(scale_px)
             rewards_by_order(
-                self._points, self._box, velocity, orders, scale, self._kind, room, found
+                self._points, self._box, velocity, orders, scale, self._kind, buffer, found
             )
         return found
 
     def image(self, velocity: tuple[float, float], scale_px: float = 1.0) -> F32:
-        """The smoothed image itself, as large as it needs to be; of at least an event.
+        """Return the smoothed image, just large enough for the warped events; needs an event.
 
         Args:
             velocity: x and y [px/s].
-            scale_px: side of the image's pixels [px].
+            scale_px: side of an image pixel [px].
 
         Returns:
-            (rows, columns) float32 [events a pixel].
+            (rows, columns) float32 [events per pixel].
         """
-        room = self._room_for(np.array([velocity]), scale_px)
-        image: F32 = smoothed_image(self._points, self._boxes, velocity, 1.0 / scale_px, room)
+        buffer = self._buffer_for(np.array([velocity]), scale_px)
+        image: F32 = smoothed_image(self._points, self._boxes, velocity, 1.0 / scale_px, buffer)
         return image
 
     def _scale(self, scale_px: float) -> tuple[float, float]:
-        """Image pixels to a sensor pixel's side, and in the fixed area."""
+        """Return the image pixels per sensor pixel along a side, and those in the fixed area."""
         return 1.0 / scale_px, self._area_px / scale_px**2
 
-    def _room_for(self, velocities: F64, scale_px: float) -> F32:
-        """Memory for an image of any of the candidates; every kernel leaves it empty."""
+    def _buffer_for(self, velocities: F64, scale_px: float) -> F32:
+        """Return zeroed memory for the image of any candidate; every kernel leaves it zeroed."""
         width_px, height_px, span_s = (self._box[1] - self._box[0]).ravel().tolist()
         vx, vy = np.abs(velocities).max(axis=0).tolist()
         columns = int((width_px + vx * span_s) / scale_px) + 2 * RIM + 3
         rows = int((height_px + vy * span_s) / scale_px) + 2 * RIM + 3
-        if columns * rows > self._room.size:
-            self._room = np.zeros(columns * rows, np.float32)
-        return self._room
+        if columns * rows > self._buffer.size:
+            self._buffer = np.zeros(columns * rows, np.float32)
+        return self._buffer

@@ -1,11 +1,11 @@
 """The image of warped events and its sums: the kernels of contrast maximisation.
 
 An event at (x, y, t) is moved back along a candidate velocity v to the middle of the window,
-x′ = x − v·t, and voted into an image that is then smoothed. The image is as large as the warped
-events need, so that none is lost and no candidate gains from pushing events out.
+x′ = x − v·t, and voted into an image, which is then smoothed. The image is as large as the warped
+events need, so that no event is lost and no candidate gains from moving events out of the image.
 
-One candidate costs a pass over the events and one over the image, which smooths a row, sums it up
-and empties what the next candidate must not find.
+One candidate costs one pass over the events and one over the image. The latter smooths each row,
+adds it to the sums and clears the votes for the next candidate.
 """
 
 from __future__ import annotations
@@ -20,44 +20,54 @@ VARIANCE, GRADIENT, SUPPRESSED, COMBINED = range(4)
 """Kinds of reward; see `detector.contrast_maximisation.warped_events.Reward`."""
 
 SUPPRESSION = 3.0
-"""p of the suppressed accumulations; the value of Stoffregen's published code."""
+"""p of the suppressed accumulations. The value in Stoffregen's published code."""
 
 RIM = 4
-"""Empty pixels kept around the warped events: a vote spreads by one, and by one more where it is
-rounded up; smoothing spreads by one, and leaves out the outermost."""
+"""Width of the empty rim around the warped events [image pixels]. A vote spreads by one pixel, and
+by one more if it is rounded up; smoothing spreads by one and leaves out the outermost pixel."""
 
 _BLOCK = 256
-"""Events whose shares are worked out at once: few enough for the fastest memory (assumed)."""
+"""Number of events whose weights are computed together: few enough for the L1 cache (assumed)."""
 
 
 @compiled
 def rewards_of(
-    points: Any, boxes: Any, velocities: Any, scale: Any, kind: int, room: Any, found: Any
+    points: Any, boxes: Any, velocities: Any, scale: Any, kind: int, buffer: Any, found: Any
 ) -> None:
-    """Reward of each velocity; `scale` is of pixels to a px, and of pixels in the fixed area."""
+    """Write the reward of each velocity to `found`.
+
+    `scale` is the number of image pixels per sensor pixel along a side, and in the fixed area.
+    """
     for n in range(velocities.shape[0]):
         vx, vy = velocities[n]
-        votes = _votes(points, points[2], boxes, vx, vy, scale[0], room)
+        votes = _votes(points, points[2], boxes, vx, vy, scale[0], buffer)
         found[n] = _reward(votes, kind, scale[1], points.shape[1])
 
 
 @compiled
 def rewards_by_order(
-    points: Any, box: Any, velocity: Any, orders: Any, scale: Any, kind: int, room: Any, found: Any
+    points: Any,
+    box: Any,
+    velocity: Any,
+    orders: Any,
+    scale: Any,
+    kind: int,
+    buffer: Any,
+    found: Any,
 ) -> None:
-    """Reward of one velocity for each order in which the events may have exchanged their times."""
+    """Write the reward of one velocity to `found` for each order of the events' times."""
     times = np.empty_like(points[2])
     for n in range(orders.shape[0]):
         for i in range(times.size):
             times[i] = points[2, orders[n, i]]
-        votes = _votes(points, times, box, velocity[0], velocity[1], scale[0], room)
+        votes = _votes(points, times, box, velocity[0], velocity[1], scale[0], buffer)
         found[n] = _reward(votes, kind, scale[1], points.shape[1])
 
 
 @compiled
-def smoothed_image(points: Any, boxes: Any, velocity: Any, per_px: float, room: Any) -> Any:
-    """The smoothed image itself."""
-    votes = _votes(points, points[2], boxes, velocity[0], velocity[1], per_px, room)
+def smoothed_image(points: Any, boxes: Any, velocity: Any, per_px: float, buffer: Any) -> Any:
+    """Return the smoothed image."""
+    votes = _votes(points, points[2], boxes, velocity[0], velocity[1], per_px, buffer)
     rows, columns = votes.shape
     image, line = np.zeros_like(votes), np.empty(columns, np.float32)
     for r in range(1, rows - 1):
@@ -68,12 +78,12 @@ def smoothed_image(points: Any, boxes: Any, velocity: Any, per_px: float, room: 
 
 @compiled
 def _votes(
-    points: Any, times: Any, boxes: Any, vx: float, vy: float, per_px: float, room: Any
+    points: Any, times: Any, boxes: Any, vx: float, vy: float, per_px: float, buffer: Any
 ) -> Any:
-    """Image of warped events, not smoothed yet, in the room, which is empty."""
+    """Return the image of warped events before smoothing, in the zeroed buffer."""
     x0, columns = _extent(boxes, 0, vx * per_px, per_px)
     y0, rows = _extent(boxes, 1, vy * per_px, per_px)
-    flat = room[: rows * columns]
+    flat = buffer[: rows * columns]
     warp = np.array([per_px, vx * per_px, vy * per_px, x0, y0]).astype(np.float32)
     _vote(points[0], points[1], times, warp, flat, columns)
     return flat.reshape(rows, columns)
@@ -81,9 +91,9 @@ def _votes(
 
 @compiled
 def _extent(boxes: Any, axis: int, u: float, per_px: float) -> Any:
-    """Origin and length of the image along an axis: what the events need, or a little more.
+    """Return the origin and length of the image along an axis, for all warped events.
 
-    The origin is whole, so that it does not matter where it is.
+    The origin is a whole number, so that its place does not affect the rewards.
     """
     low, high = np.inf, -np.inf
     for n in range(boxes.shape[2]):
@@ -96,49 +106,51 @@ def _extent(boxes: Any, axis: int, u: float, per_px: float) -> Any:
 
 @compiled_fastmath
 def _vote(x: Any, y: Any, t: Any, warp: Any, flat: Any, columns: int) -> None:
-    """Share each event among the nine pixels around it, by a quadratic B-spline along each axis.
+    """Distribute each event over the nine pixels around it, by a quadratic B-spline on each axis.
 
-    A vote has the variance 1/4 wherever it falls. Bilinear ones have between 0 and 1/4, so that
-    contrast would favour velocities that leave events in the middle of pixels: a component of 0
-    above all, in place of slow ones.
+    Such a vote has a variance of 1/4 wherever it falls. Bilinear votes have between 0 and 1/4, so
+    that contrast would favour velocities that leave events in the middle of pixels: above all a
+    component of 0 instead of a slow one.
 
-    Shares are worked out for a block of events, many at a time, and then added one by one.
+    Weights are computed for a block of events with SIMD, and then added event by event.
     """
-    shares, places = np.empty((6, _BLOCK), np.float32), np.empty(_BLOCK, np.int32)
+    weights, places = np.empty((6, _BLOCK), np.float32), np.empty(_BLOCK, np.int32)
     for first in range(0, x.size, _BLOCK):
         end = min(first + _BLOCK, x.size)
-        _share(x[first:end], y[first:end], t[first:end], warp, columns, shares, places)
+        _spline_weights(x[first:end], y[first:end], t[first:end], warp, columns, weights, places)
         for i in range(end - first):
-            left, middle, right = shares[0, i], shares[1, i], shares[2, i]
+            left, middle, right = weights[0, i], weights[1, i], weights[2, i]
             at = places[i]
-            for share in (shares[3, i], shares[4, i], shares[5, i]):
-                flat[at] += left * share
-                flat[at + 1] += middle * share
-                flat[at + 2] += right * share
+            for weight in (weights[3, i], weights[4, i], weights[5, i]):
+                flat[at] += left * weight
+                flat[at + 1] += middle * weight
+                flat[at + 2] += right * weight
                 at += columns
 
 
 @inlined_fastmath
-def _share(x: Any, y: Any, t: Any, warp: Any, columns: int, shares: Any, places: Any) -> None:
-    """Shares of three columns and three rows, (6, events), and where the first of the nine lies."""
+def _spline_weights(
+    x: Any, y: Any, t: Any, warp: Any, columns: int, weights: Any, places: Any
+) -> None:
+    """Write the weights of an event's three columns and three rows, and the first pixel's index."""
     per_px, ux, uy, x0, y0 = warp[0], warp[1], warp[2], warp[3], warp[4]
     half, most, width = np.float32(0.5), np.float32(0.75), np.int32(columns)
     for i in range(x.size):
         px, py = x[i] * per_px - ux * t[i] - x0, y[i] * per_px - uy * t[i] - y0
         column, row = np.int32(px + half), np.int32(py + half)
         fx, fy = px - np.float32(column), py - np.float32(row)
-        shares[0, i] = half * (half - fx) * (half - fx)
-        shares[1, i] = most - fx * fx
-        shares[2, i] = half * (half + fx) * (half + fx)
-        shares[3, i] = half * (half - fy) * (half - fy)
-        shares[4, i] = most - fy * fy
-        shares[5, i] = half * (half + fy) * (half + fy)
+        weights[0, i] = half * (half - fx) * (half - fx)
+        weights[1, i] = most - fx * fx
+        weights[2, i] = half * (half + fx) * (half + fx)
+        weights[3, i] = half * (half - fy) * (half - fy)
+        weights[4, i] = most - fy * fy
+        weights[5, i] = half * (half + fy) * (half + fy)
         places[i] = (row - np.int32(1)) * width + column - np.int32(1)
 
 
 @compiled
 def _reward(votes: Any, kind: int, pixels: float, events: int) -> float:
-    """What the smoothed image is worth; empties the votes."""
+    """Return the reward of the smoothed image, and clear the votes."""
     energy, filled = _sums(votes, kind)
     if kind == VARIANCE:
         return float(energy / pixels - (events / pixels) ** 2)
@@ -150,7 +162,7 @@ def _reward(votes: Any, kind: int, pixels: float, events: int) -> float:
 
 @compiled_fastmath
 def _sums(votes: Any, kind: int) -> Any:
-    """Sums of h² or |∇h|², and of 1 − e^(−p·h), over the smoothed image; empties the votes."""
+    """Sum h² or |∇h|², and 1 − e^(−p·h), over the smoothed image, and clear the votes."""
     rows, columns = votes.shape
     lines = np.zeros((3, columns), np.float32)
     line, here, above = lines[0], lines[1], lines[2]
@@ -163,14 +175,14 @@ def _sums(votes: Any, kind: int) -> Any:
         elif kind != SUPPRESSED:
             energy += _energy(here)
         if kind >= SUPPRESSED:
-            filled += _accumulated(here)
+            filled += _filled(here)
         here, above = above, here
     return energy, filled
 
 
 @inlined_fastmath
 def _smooth(above: Any, here: Any, below: Any, line: Any, smooth: Any) -> None:
-    """Blur a row by the binomial 1 2 1 along both axes; the rim is empty."""
+    """Smooth a row by the binomial filter 1 2 1 along both axes; the rim stays empty."""
     half, quarter = np.float32(0.5), np.float32(0.25)
     for k in range(line.size):
         line[k] = half * here[k] + quarter * (above[k] + below[k])
@@ -180,7 +192,7 @@ def _smooth(above: Any, here: Any, below: Any, line: Any, smooth: Any) -> None:
 
 @inlined_fastmath
 def _energy(row: Any) -> Any:
-    """Sum of h²."""
+    """Return the sum of h² over a row."""
     total = np.float32(0.0)
     for k in range(row.size):
         total += row[k] * row[k]
@@ -189,7 +201,7 @@ def _energy(row: Any) -> Any:
 
 @inlined_fastmath
 def _gradient_energy(above: Any, here: Any) -> Any:
-    """Sum of |∇h|² by differences of neighbours."""
+    """Return the sum of |∇h|² over a row, from differences of neighbours."""
     total = np.float32(0.0)
     for k in range(here.size - 1):
         across, down = here[k + 1] - here[k], here[k] - above[k]
@@ -198,8 +210,8 @@ def _gradient_energy(above: Any, here: Any) -> Any:
 
 
 @inlined
-def _accumulated(row: Any) -> float:
-    """Sum of 1 − e^(−p·h), to which empty pixels add nothing."""
+def _filled(row: Any) -> float:
+    """Return the sum of 1 − e^(−p·h) over a row; empty pixels add nothing."""
     total = 0.0
     for k in range(row.size):
         if row[k] > 0.0:

@@ -1,1 +1,1 @@
-"""The fly of the paper's Section II, one file per stage of the model."""
+"""The event-driven fly of the paper (Section II), one file per stage of the model."""

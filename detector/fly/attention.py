@@ -1,7 +1,7 @@
 """Bottom-up attention: where the fly looks.
 
-All positions here are in cells, (x, y), with a cell's centre at its index. Every response is kept
-signed and per axis, so that the view centre moves along both.
+All positions are (x, y) in cells; the centre of a cell is at its index. Every response is signed
+and computed per axis, so that the view centre moves along both axes.
 """
 
 from __future__ import annotations
@@ -26,65 +26,65 @@ Pair = tuple[float, float]
 
 
 def saliency_map(on: F32, off: F32, *, radius: int) -> F32:
-    """H_on + H_off (inside equation 10), smoothed by a box of side 2·radius + 1 cells.
+    """Return H_on + H_off (inside equation 10), smoothed by a box of side 2·radius + 1 cells.
 
     Returns:
-        (rows, columns) float32; outside the grid counts as 0.
+        (rows, columns) float32; cells outside the grid count as 0.
     """
     side = 2 * radius + 1
     return np.asarray(cv2.blur(on + off, (side, side), borderType=cv2.BORDER_CONSTANT), np.float32)
 
 
 def most_salient(saliency: F32) -> Pair:
-    """Position of the maximum, (x, y) in cells (paper, equation 10).
+    """Return the position of the saliency maximum, (x, y) in cells (paper, equation 10).
 
-    Among equals it is their middle: a lone spot, smoothed by a box, has its maximum all over the
-    box, and any one corner of it would favour a direction.
+    If several cells share the maximum, it is their mean position. A lone spot, smoothed by a box,
+    has its maximum all over the box, and any one corner of the box would favour a direction.
     """
     y, x = np.nonzero(saliency == saliency.max())
     return float(x.mean()), float(y.mean())
 
 
 def prominence(saliency: F32) -> float:
-    """How far the most salient cell stands out from the mean of the map.
+    """Return the height of the saliency maximum above the mean of the map.
 
-    Noise that is everywhere raises both alike, however strong it is.
+    Uniform noise raises the maximum and the mean alike, however strong it is.
     """
     return float(saliency.max()) - float(saliency.mean(dtype=np.float64))
 
 
 def position_error(target: Pair, centre: Pair) -> Pair:
-    """Signed way from the view centre to the target on each axis (paper, equation 11) [cells].
+    """Return the signed distance from the view centre to the target (paper, equation 11) [cells].
 
-    The paper's two positions are read as target minus view centre, so that steering by the error
-    leads towards the target.
+    The two positions of the paper are read as target minus view centre, so that steering by the
+    error leads towards the target.
     """
     return target[0] - centre[0], target[1] - centre[1]
 
 
 def position_response(error: float, *, side: int, cap: float) -> float:
-    """Signed exponential response 𝒮 to a position error (paper, equation 12).
+    """Return the signed exponential response 𝒮 to a position error (paper, equation 12).
 
     Args:
         error: position error on this axis [cells].
-        side: K, the grid's side on this axis [cells].
-        cap: largest exponent; (4·E/K)² would reach 16 across the grid.
+        side: K, side of the grid on this axis [cells].
+        cap: largest exponent; without it, (4·E/K)² would reach 16 across the grid.
     """
     exponent = min((4.0 * error / side) ** 2, cap)
     return math.copysign(math.expm1(exponent), error)
 
 
 def local_motion(maps: F32, centre: Pair, *, reach: float) -> Pair:
-    """Opponent motion ℳ around the view centre over the total (paper, equation 13).
+    """Return the opponent motion ℳ near the view centre over the total (paper, equation 13).
 
     Args:
         maps: T4 + T5, (4, rows, columns) float32.
         centre: view centre [cells].
-        reach: half side of the square that counts as local, the search square [cells].
+        reach: half side of the search square, which is what counts as local [cells].
 
     Returns:
-        ℳ along x (rightward positive) and y (downward positive), each in [−1, 1]; 0 in
-        suppress_output.
+        ℳ along x (rightward positive) and y (downward positive), each in [−1, 1]; 0 if no cell
+        in the square responds.
     """
     rows, columns = search_square(maps.shape[1:], centre, reach=reach)
     sums = maps[:, rows, columns].sum(axis=(1, 2), dtype=np.float64)
@@ -95,14 +95,14 @@ def local_motion(maps: F32, centre: Pair, *, reach: float) -> Pair:
 
 
 def motion_at_centre(maps: F32, centre: Pair) -> Pair:
-    """Opponent motion ℳ at the cell of the view centre (paper, equation 13 as printed).
+    """Return the opponent motion ℳ at the cell of the view centre (equation 13 as printed).
 
     Args:
         maps: T4 + T5, (4, rows, columns) float32.
         centre: view centre [cells].
 
     Returns:
-        ℳ along x (rightward positive) and y (downward positive), of any size.
+        ℳ along x (rightward positive) and y (downward positive), not bounded.
     """
     column = min(max(round(centre[0]), 0), maps.shape[2] - 1)
     row = min(max(round(centre[1]), 0), maps.shape[1] - 1)
@@ -111,17 +111,17 @@ def motion_at_centre(maps: F32, centre: Pair) -> Pair:
 
 
 def steering_response(motion: float, position: float, *, g_m: float, g_p: float) -> float:
-    """Fuse motion and position response into Γ (paper, equation 14) [cells]."""
+    """Fuse the motion and position responses into Γ (paper, equation 14) [cells]."""
     return g_m * motion + g_p * position
 
 
 def delayed_steering(steering: float, earlier: float, *, alpha: float) -> float:
-    """Low-pass Γ while it keeps its sign, else let it through (paper, equation 15).
+    """Low-pass Γ while it keeps its sign; otherwise return it unchanged (paper, equation 15).
 
     Args:
         steering: Γ(t).
         earlier: Γ̂(t − Δt).
-        alpha: share of the new response, in (0, 1).
+        alpha: weight of the new response, in (0, 1).
     """
     if steering * earlier >= 0.0:
         return alpha * steering + (1.0 - alpha) * earlier
@@ -129,38 +129,38 @@ def delayed_steering(steering: float, earlier: float, *, alpha: float) -> float:
 
 
 def shift_towards(error: float, steering: float) -> float:
-    """Part of a steering response that leads towards the target and not beyond it [cells]."""
+    """Clip a steering response so that it leads towards the target and not past it [cells]."""
     return min(max(steering, min(error, 0.0)), max(error, 0.0))
 
 
 class ViewCentre:
-    """Where the fly looks: pulled to the most salient cell by the steering response.
+    """The point that the fly looks at; the steering response pulls it to the most salient cell.
 
-    It starts at the image centre. When nothing stands out it lets go: it returns to the image
-    centre at once, forgets its steering, and attends to nothing until something stands out again.
+    It starts at the image centre. If nothing stands out, it returns to the image centre at once,
+    forgets its steering, and attends to nothing until something stands out again.
 
     Attributes:
         position: (x, y) [cells].
-        is_attending: whether something is salient.
+        is_attending: True if something stands out.
     """
 
-    def __init__(self, config: FlyConfig, *, grid: tuple[int, int], home: Pair) -> None:
-        """Rest at the image centre.
+    def __init__(self, config: FlyConfig, *, grid: tuple[int, int], image_centre: Pair) -> None:
+        """Start at the image centre.
 
         Args:
             config: gains, caps and delays of the steering.
             grid: rows and columns of cells.
-            home: image centre [cells].
+            image_centre: (x, y) [cells].
         """
-        self._config, self._home = config, home
+        self._config, self._image_centre = config, image_centre
         self._sides = grid[1], grid[0]
-        self.position = home
+        self.position = image_centre
         self.is_attending = False
         lag = config.window_hops
         self._steered: deque[Pair] = deque([(0.0, 0.0)] * lag, maxlen=lag)
 
     def state(self) -> dict[str, npt.NDArray[Any]]:
-        """Everything that changes, as arrays by name."""
+        """Return everything that changes, as arrays by name."""
         return {
             "position": np.array(self.position),
             "is_attending": np.array(self.is_attending),
@@ -168,33 +168,34 @@ class ViewCentre:
         }
 
     def check(self, state: dict[str, npt.NDArray[Any]]) -> None:
-        """Refuse a state that looks beside the grid.
+        """Refuse a state whose position is outside the grid.
 
         Raises:
-            StateError: it does.
+            StateError: the position is outside the grid.
         """
         position = state["position"]
-        if (np.abs(position - self._home) > np.array(self._sides) / 2).any():
+        if (np.abs(position - self._image_centre) > np.array(self._sides) / 2).any():
             raise StateError(
-                f"the state looks at {position.tolist()}; allowed are cells of a grid of "
-                f"{self._sides[0]} × {self._sides[1]}; pass what FlyDetector.state() gave, whole"
+                f"The view centre of the state is {position.tolist()}. Allowed are cells of a grid "
+                f"of {self._sides[0]} × {self._sides[1]}. Pass everything that "
+                "FlyDetector.state() returned, unchanged."
             )
 
     def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
-        """Go on from what `state` of the same configuration and grid gave."""
+        """Continue from a `state` of a view centre with the same configuration and grid."""
         x, y = state["position"].tolist()
         self.position = x, y
         self.is_attending = bool(state["is_attending"])
         self._steered.extend((x, y) for x, y in state["steered"].tolist())
 
     def release(self) -> None:
-        """Let go: back to the image centre, steering forgotten."""
-        self.position = self._home
+        """Return to the image centre and forget the steering."""
+        self.position = self._image_centre
         self.is_attending = False
         self._steered.extend([(0.0, 0.0)] * len(self._steered))
 
     def update(self, saliency: F32, maps: F32) -> None:
-        """Take one step towards the most salient cell.
+        """Move one step towards the most salient cell.
 
         Args:
             saliency: (rows, columns) float32.
@@ -226,7 +227,7 @@ class ViewCentre:
         return local_motion(maps, self.position, reach=self._config.roi_reach_cells)
 
     def _steer(self, axis: int, error: float, motion: float) -> float:
-        """Γ̂(t) along one axis [cells]."""
+        """Return Γ̂(t) along one axis [cells]."""
         c = self._config
         position = position_response(error, side=self._sides[axis], cap=c.exponent_cap)
         steering = steering_response(motion, position, g_m=c.g_m, g_p=c.g_p)

@@ -1,4 +1,4 @@
-"""Every parameter of the fly, with its unit and its source."""
+"""The parameters of the fly, each with its unit and its source."""
 
 from __future__ import annotations
 
@@ -25,60 +25,64 @@ from flybench.checks import Range, check_ranges, member
 class FlyConfig:
     """Parameters of `FlyDetector`: Table I of the paper, and what the paper leaves open.
 
+    `detector.fly.model_variants` compares the choices that are enumerations.
+
     Attributes:
         tau_us: time constant τ of the time surface [µs]. Table I.
         window_us: Δt, window of the time surface and of its average [µs]. Table I.
-        hop_us: step between estimates [µs]; Δt and the delay are multiples of it. Assumed.
-        delay_us: how far the delayed signal lags [µs]. One Δt: the previous window (assumed).
-        further_delays_us: other lags; the delayed signal is then the mean over all of them, a delay
-            line with several taps [µs]. None in the paper.
+        hop_us: step between estimates [µs]; the window and the delays are multiples of it. Assumed.
+        delay_us: lag of the delayed signal [µs]. One Δt, which gives the previous window (assumed).
+        further_delays_us: further lags [µs]. With any, the delayed signal is the mean over all
+            lags: a delay line with several taps. The paper has none.
         cell_px: side of a cell [px]. Section II-B.
         neighbourhood_px: half side of the neighbourhood z of equation 3, over which a surface is
-            summed [px]. 0, the pixel alone, so that an isolated event scores 0 (assumed).
-        time_surface: whether an event counts in its own surface. Not, equation 3.
-        averaging: what a cell's sum is divided by. The number of events, equation 5.
-        spacing_cells: sd, shortest correlation distance [cells]. Table I.
-        spacings: n_c, number of correlation distances. Table I.
-        offsets: how the distances follow one another. In steps of sd (assumed).
-        pair_location: the cell to which a correlation belongs. The pair's midpoint (assumed).
-        attention: how the view centre finds its place. By steering, section II-D.
+            summed [px]. 0 is the pixel alone, so that an isolated event scores 0 (assumed).
+        time_surface: whether an event counts in its own surface. It does not, by equation 3.
+        averaging: divisor of a cell's sum. The number of events, by equation 5.
+        spacing_cells: sd, the shortest correlation distance [cells]. Table I.
+        spacings: n_c, the number of correlation distances. Table I.
+        offsets: series of the correlation distances. Multiples of sd (assumed).
+        pair_location: cell that a correlation belongs to. The midpoint of the pair (assumed).
+        attention: how the view centre is placed. By steering, section II-D.
         local_motion: what ℳ of equation 13 is relative to. The total nearby (assumed).
         g_m: gain of the motion response in steering [cells]. Table I.
         g_p: gain of the position response in steering [cells]. Table I.
-        alpha: share of the new response in the steering low-pass; Δt / (Δt + τ_s) with τ_s = Δt.
+        alpha: weight of the new response in the steering low-pass: Δt / (Δt + τ_s) with τ_s = Δt.
             Assumed.
-        exponent_cap: largest exponent of the position response. 4, reached at half the grid's
-            side; from there on every shift ends on its target anyway (assumed).
+        exponent_cap: largest exponent of the position response. 4 is reached at half the side of
+            the grid; beyond it, every shift ends on its target anyway (assumed).
         roi_radius_px: R, half side of the search square [px]. Table I, read as sensor pixels.
-        roi_activity: what the region grows on. Present and delayed surfaces (assumed).
-        roi_smoothing_cells: half side of the box that smooths the activity on which the region
-            grows [cells]. sd: what lies closer than a correlation distance belongs together
-            (assumed).
-        roi_share: activity that joins the region, relative to the largest in the square. Assumed.
-        saliency_radius_cells: half side of the box that smooths the saliency [cells]. 8 makes a box
-            of 51 px, half the search square's side, so that what fills the square wins over what is
-            merely bright; drawn cars then gave a seventh of the wrong estimates of 2 (assumed).
-        saliency_floor: least height of the saliency's maximum over its mean that draws attention.
-            0.1: drawn noise of 0.1 to 20 Hz a pixel with hot pixels reaches 0.10, cars at 350 px/s
-            reach 0.3 to 2 (assumed).
-        normalisation: what brings a response into (−1, 1). The sigmoid over cells (assumed).
-        response_scale: response per grid cell that the sigmoid scales by. One value by day and by
-            night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, faster and
-            slower than any that is judged on, have medians of 0.22, 0.36, 0.91 and 0.95 with
-            samples up to 4 px apart (assumed).
+        roi_activity: activity on which the region grows. Present and delayed surfaces (assumed).
+        roi_smoothing_cells: half side of the box that smooths this activity [cells]. sd: cells
+            closer together than a correlation distance belong to one object (assumed).
+        roi_share: least activity of a cell in the region, relative to the largest in the search
+            square. Assumed.
+        saliency_radius_cells: half side of the box that smooths the saliency [cells]. 8 gives a box
+            of 51 px, half the side of the search square, so that what fills the square wins over
+            what is merely bright. On synthetic cars this gave a seventh of the wrong estimates that
+            a value of 2 gave (assumed).
+        saliency_floor: least height of the saliency maximum above its mean that draws attention.
+            0.1: synthetic noise of 0.1 to 20 Hz per pixel with hot pixels reaches 0.10, synthetic
+            cars at 350 px/s reach 0.3 to 2 (assumed).
+        normalisation: how a response is mapped into (−1, 1). Sigmoid over cells (assumed).
+        response_scale: response per grid cell that scales the sigmoid. One value serves day and
+            night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, slower and
+            faster than any that detectors are evaluated on, have medians of 0.22, 0.36, 0.91 and
+            0.95 with samples up to 4 px apart (assumed).
         snr_floor: least signal-to-noise ratio of a response that counts as motion; see
-            `detector.fly.tangential.signal_to_noise`. 3 standard deviations: noise gives about a
-            normal variable, which passes them once in 370 times (assumed).
-        share_floor: least share of a response in the sum of its two directions that counts as
-            motion; see `detector.fly.tangential.shares_of_total`. 0.01: much of what flickering
-            light gives before a still scene stays below; of drawn targets of 30 to 240 px nothing
-            that is right does, while 0.03 would cost those of 240 px 6 points (assumed).
-        quiet_limit_us: how long after the last event estimates go on [µs]. Assumed: 60 s, far
-            beyond any crossing, and 6000 estimates at most.
+            `detector.fly.tangential.signal_to_noise`. 3 standard deviations: in noise the ratio is
+            about a normal variable, which exceeds them once in 370 times (assumed).
+        share_floor: least response, relative to the sum of its two directions, that counts as
+            motion; see `detector.fly.tangential.shares_of_total`. 0.01 suppresses much of the
+            response to flickering light on a still scene, and no right response to synthetic
+            targets of 30 to 240 px. 0.03 would cost 6 percentage points on those of 240 px
+            (assumed).
+        quiet_limit_us: time after the last event at which estimates stop [µs]. Assumed: 60 s, far
+            longer than any crossing, and at most 6000 estimates.
 
     Raises:
-        DetectorConfigError: a value of another type or outside its range. Whole numbers may be
-            NumPy's, and `averaging` a string, as read back from JSON.
+        DetectorConfigError: a value has the wrong type or is out of range. NumPy's whole numbers
+            are accepted, and strings for enumerations, as read back from JSON.
     """
 
     tau_us: int = 30_000
@@ -114,12 +118,12 @@ class FlyConfig:
 
     @property
     def window_hops(self) -> int:
-        """HopBuffer in a window."""
+        """Number of hops in a window."""
         return self.window_us // self.hop_us
 
     @property
     def delays_hops(self) -> tuple[int, ...]:
-        """HopBuffer by which each tap of the delayed signal lags."""
+        """Lag of each tap of the delayed signal [hops]."""
         return tuple(d // self.hop_us for d in (self.delay_us, *self.further_delays_us))
 
     @property
@@ -131,24 +135,24 @@ class FlyConfig:
 
     @property
     def roi_reach_cells(self) -> float:
-        """R in cells."""
+        """R, half side of the search square [cells]."""
         return self.roi_radius_px / self.cell_px
 
     @classmethod
     def preset(cls, name: str) -> FlyConfig:
-        """Parameters by name: "paper", or "wide" for more speeds; see `PRESETS`.
+        """Return the parameters of a preset: "paper", or "wide" for more speeds; see `PRESETS`.
 
         Raises:
-            DetectorConfigError: there is none of this name.
+            DetectorConfigError: there is no preset of this name.
         """
         if not isinstance(name, str) or name not in PRESETS:
             raise DetectorConfigError(
-                f"the preset is {name!r}; allowed is one of {', '.join(map(repr, PRESETS))}"
+                f"The preset is {name!r}. Allowed is one of {', '.join(map(repr, PRESETS))}."
             )
         return PRESETS[name]
 
     def __post_init__(self) -> None:
-        """Check every value, and bring it to its type."""
+        """Check every value and convert it to its type."""
         check_ranges(self, _RANGES, DetectorConfigError)
         object.__setattr__(self, "further_delays_us", _delays(self.further_delays_us))
         for field in fields(self):
@@ -161,63 +165,63 @@ class FlyConfig:
 
     def _check_distances(self) -> None:
         longest = self.offsets_cells[-1]
-        if longest > _MOST_CELLS:
+        if longest > _LONGEST_CELLS:
             raise DetectorConfigError(
-                f"spacings is {self.spacings}, which with spacing_cells = {self.spacing_cells} and "
-                f"offsets = {self.offsets.value!r} makes the longest distance {longest} cells; "
-                f"allowed is {_MOST_CELLS} or less; lower spacings"
+                f"spacings is {self.spacings}: with spacing_cells = {self.spacing_cells} and "
+                f"offsets = {self.offsets.value!r} the longest distance is {longest} cells. "
+                f"Allowed is {_LONGEST_CELLS} cells or less. Choose fewer spacings."
             )
 
     def _check_times(self) -> None:
         check_whole_hops(self.hop_us, window_us=self.window_us, delay_us=self.delay_us)
         for delay_us in self.further_delays_us:
             check_whole_hops(self.hop_us, further_delays_us=delay_us)
-        if self.window_hops + max(self.delays_hops) > _MOST_HOPS:
+        hops = self.window_hops + max(self.delays_hops)
+        if hops > _MOST_HOPS:
             raise DetectorConfigError(
                 f"hop_us is {self.hop_us} µs, which cuts window_us and the longest delay into "
-                f"{self.window_hops + max(self.delays_hops)} hops; allowed are {_MOST_HOPS}, for "
-                "each is kept in memory; choose a longer hop"
+                f"{hops} hops. Allowed is {_MOST_HOPS}, since each is kept in memory. Choose a "
+                "longer hop."
             )
-        if self.window_us > _MOST_TAUS * self.tau_us:
+        if self.window_us > _LONGEST_TAUS * self.tau_us:
             raise DetectorConfigError(
-                f"window_us is {self.window_us} µs; allowed is {_MOST_TAUS} tau_us = "
-                f"{_MOST_TAUS * self.tau_us} µs or less, for of older events nothing is left; "
-                "choose a shorter window"
+                f"window_us is {self.window_us} µs. Allowed is {_LONGEST_TAUS} tau_us = "
+                f"{_LONGEST_TAUS * self.tau_us} µs or less, since older events have no weight. "
+                "Choose a shorter window."
             )
-        seen_us = self.window_us + max(self.delays_hops) * self.hop_us
-        if self.quiet_limit_us < seen_us:
+        remembered_us = hops * self.hop_us
+        if self.quiet_limit_us < remembered_us:
             raise DetectorConfigError(
-                f"quiet_limit_us is {self.quiet_limit_us} µs; allowed is window_us + the longest "
-                f"delay = {seen_us} µs or more, else it cuts off what is still seen"
+                f"quiet_limit_us is {self.quiet_limit_us} µs. Allowed is window_us + the longest "
+                f"delay = {remembered_us} µs or more. Choose a longer limit."
             )
 
 
 def _delays(value: Any) -> tuple[int, ...]:
     name = "further_delays_us"
-    if not isinstance(value, tuple | list) or len(value) > _MOST_DELAYS:
+    if not isinstance(value, tuple | list) or len(value) > _MOST_FURTHER_DELAYS:
         raise DetectorConfigError(
-            f"{name} is {value!r}; allowed is a tuple of up to {_MOST_DELAYS} lags in µs; the "
-            "default is ()"
+            f"{name} is {value!r}. Allowed is a tuple of up to {_MOST_FURTHER_DELAYS} lags in µs. "
+            "The default is ()."
         )
-    lags = (_LAGS_US.check(name, lag, DetectorConfigError) for lag in value)
-    return tuple(int(lag) for lag in lags)
+    return tuple(int(_DELAY_US.check(name, lag, DetectorConfigError)) for lag in value)
 
 
 _MOST_HOPS = 1000
-"""Most hops kept: 323 MB with the default grid (assumed)."""
-_MOST_CELLS = 100_000
-"""Longest distance: as far as even steps reach, beyond any sensor."""
-_MOST_TAUS = 100
-"""Longest window in τ: e^−100 is nothing."""
-_MOST_DELAYS = 16
-"""Most taps besides the first (assumed)."""
+"""Largest number of hops in memory: 323 MB with the default grid (assumed)."""
+_LONGEST_CELLS = 100_000
+"""Longest correlation distance [cells]: what `Offsets.EVEN` can reach, beyond any sensor."""
+_LONGEST_TAUS = 100
+"""Longest window [τ]: e^−100 is negligible."""
+_MOST_FURTHER_DELAYS = 16
+"""Largest number of taps besides the first (assumed)."""
 
-_LAGS_US = Range(1, 10_000_000)
+_DELAY_US = Range(1, 10_000_000)
 _RANGES: dict[str, Range] = {
     "tau_us": Range(1, 10_000_000),
     "window_us": Range(1, 10_000_000),
     "hop_us": Range(1, 10_000_000),
-    "delay_us": _LAGS_US,
+    "delay_us": _DELAY_US,
     "cell_px": Range(1, 64),
     "neighbourhood_px": Range(0, 10),
     "spacing_cells": Range(1, 1000),
@@ -250,20 +254,20 @@ PRESETS = {
 }
 """Parameters by name.
 
-paper: Table I, and what is settled for what it leaves open.
+paper: Table I, and our choices for what it leaves open.
 
-wide: for image speeds of 60 to 1500 px/s. It departs from the paper preset in three things:
+wide: for image speeds of 60 to 1500 px/s. It differs from the paper preset in three things:
 
-- Distances of 1, 2, 4, 8 and 16 cells in place of 4, 8, 12 and 16. Opponent correlations compare
-  how well the delayed image fits the present one when shifted forwards and when shifted backwards.
-  What moved by less than the shortest distance is compared on two slopes of its own
-  autocorrelation, which may rise again with a repeated texture (panels, wheels): the sign flips.
-  The shortest distance possible sees the central peak, whose slope has one sign; the longest is as
-  long as the paper's.
-- Three delays of 30, 100 and 200 ms in place of 50. At 60 px/s an object moves less than a cell
-  in 50 ms, and 12 px in 200; at 1500 px/s it moves 45 px in 30 ms, within the longest distance of
-  48; what it leaves at the longer delays has gone from the region of interest.
-- Attention from a saliency of 0.03 on in place of 0.1: a slow rim without texture reaches no more.
-  In noise of some 5 Hz a pixel and more, attention then wanders while nothing moves; the
-  signal-to-noise floor still says none.
+- Distances of 1, 2, 4, 8 and 16 cells instead of 4, 8, 12 and 16. Opponent correlation compares
+  how well the delayed image fits the present one when it is shifted forwards and when it is shifted
+  backwards. If an object moved by less than the shortest distance, the two shifts lie on opposite
+  slopes of the object's own autocorrelation. With a repeated texture (panels, wheels) the
+  autocorrelation may rise again there, and the sign flips. The shortest distance possible stays on
+  the central peak, whose slope has one sign. The longest distance is that of the paper.
+- Three delays of 30, 100 and 200 ms instead of one of 50 ms. At 60 px/s an object moves less than a
+  cell in 50 ms, but 12 px in 200 ms. At 1500 px/s it moves 45 px in 30 ms, within the longest
+  distance of 48 px; its traces at the longer delays have left the region of interest.
+- Attention from a saliency of 0.03 instead of 0.1, because a slow edge without texture reaches no
+  more. In noise above about 5 Hz per pixel, attention then wanders while nothing moves, but the
+  signal-to-noise floor still gives `NONE`.
 """

@@ -1,12 +1,14 @@
 """T4 and T5: elementary motion detectors in the four cardinal directions.
 
 A half-detector multiplies the delayed signal of one point with the present signal of another. The
-two half-detectors of an axis share both points, with the delay exchanged (the arrangement of
-Hassenstein and Reichardt). The paper prints the rightward one and leaves the rest to similarity;
-this reading makes what flickers without moving cancel in every single pair, so that HS and VS stay
-unbiased when a region of interest cuts through the object. For the same reason each pair is noted
-at its midpoint, unless it is asked for at its delayed point as printed: the edge of a region then
-cuts the pairs of opposite directions alike, and a mirrored stream gives mirrored responses.
+two half-detectors of an axis share both points and exchange the delay (the arrangement of
+Hassenstein and Reichardt). The paper prints only the rightward half-detector and leaves the
+others to analogy. In this arrangement, what flickers without moving cancels in every single pair,
+so that HS and VS stay unbiased if a region of interest cuts through the object.
+
+For the same reason a pair belongs to the cell at its midpoint by default, not to its delayed point
+as printed. The edge of a region then cuts the pairs of opposite directions alike, and a mirrored
+stream gives mirrored responses.
 """
 
 from __future__ import annotations
@@ -33,17 +35,17 @@ def t4(
     offsets: Sequence[int],
     pair_location: PairLocation = PairLocation.MIDPOINT,
 ) -> F32:
-    """T4: correlations in the ON pathway (paper, equation 9).
+    """Correlate the ON pathway along both axes (T4; paper, equation 9).
 
     Args:
         on: ON surface now, (rows, columns) float32.
-        on_delayed: delayed ON surface, same shape.
-        offsets: i, the distances between the two points that are summed over [cells].
-        pair_location: to which cell a pair belongs.
+        on_delayed: delayed ON surface, (rows, columns) float32.
+        offsets: i, the distances between the two points of a pair, which are summed over [cells].
+        pair_location: cell to which a pair belongs.
 
     Returns:
-        (4, rows, columns) float32, planes right, left, up, down. Where a midpoint lies between two
-        cells, as with an odd distance, each takes half.
+        (4, rows, columns) float32, planes right, left, up, down. If the midpoint of a pair lies
+        between two cells, as with an odd distance, each cell takes half.
     """
     at_delayed = pair_location is PairLocation.DELAYED
     maps: F32 = _half_detectors(on, on_delayed, np.array(offsets, np.int64), at_delayed)
@@ -57,13 +59,13 @@ def t5(
     offsets: Sequence[int],
     pair_location: PairLocation = PairLocation.MIDPOINT,
 ) -> F32:
-    """T5: the same correlations in the OFF pathway (paper, equation 9); see `t4`."""
+    """Correlate the OFF pathway along both axes (T5; paper, equation 9), as `t4` does for ON."""
     return t4(off, off_delayed, offsets=offsets, pair_location=pair_location)
 
 
 @compiled
 def _half_detectors(now: Any, delayed: Any, offsets: Any, at_delayed: bool) -> Any:
-    """Sum over the offsets; `ahead` is where the pair of a point and one further on is noted."""
+    """Return the direction maps, summed over the distances."""
     maps = np.zeros((4, *now.shape), np.float32)
     for i in offsets:
         if at_delayed:
@@ -78,21 +80,25 @@ def _half_detectors(now: Any, delayed: Any, offsets: Any, at_delayed: bool) -> A
 
 @compiled
 def _add_pairs(
-    maps: Any, now: Any, delayed: Any, i: int, forward_at: int, backward_at: int, share: Any
+    maps: Any, now: Any, delayed: Any, i: int, forward_at: int, backward_at: int, weight: Any
 ) -> None:
-    """Add the pairs at distance i, noted that far after their first point, to the maps."""
+    """Add the weighted products of all pairs at distance i to the direction maps.
+
+    `forward_at` is the distance from the first point of a pair to the cell that its rightward or
+    downward product belongs to; `backward_at` is that of the leftward or upward product.
+    """
     rows, columns = now.shape
     for y in range(rows):
         right, left = maps[RIGHT, y, forward_at:], maps[LEFT, y, backward_at:]
         near_now, near_delayed = now[y], delayed[y]
         far_now, far_delayed = now[y, i:], delayed[y, i:]
         for x in range(columns - i):
-            right[x] += share * (near_delayed[x] * far_now[x])
-            left[x] += share * (far_delayed[x] * near_now[x])
+            right[x] += weight * (near_delayed[x] * far_now[x])
+            left[x] += weight * (far_delayed[x] * near_now[x])
     for y in range(rows - i):
         down, up = maps[DOWN, y + forward_at], maps[UP, y + backward_at]
         near_now, near_delayed = now[y], delayed[y]
         far_now, far_delayed = now[y + i], delayed[y + i]
         for x in range(columns):
-            down[x] += share * (near_delayed[x] * far_now[x])
-            up[x] += share * (far_delayed[x] * near_now[x])
+            down[x] += weight * (near_delayed[x] * far_now[x])
+            up[x] += weight * (far_delayed[x] * near_now[x])

@@ -1,4 +1,4 @@
-"""From sums of time surfaces to averages: what a cell says about a window."""
+"""Averaged histograms: from the sums of a window's hops to one value per cell and polarity."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ _DIVISORS = {
 def averaged_histogram(
     tallies: npt.NDArray[np.float64], *, averaging: Averaging, cell_area: int, oldest: int = 0
 ) -> F32:
-    """Average the histogram of each cell (paper, equation 5; 6 and 7 are its two planes).
+    """Average the histogram of each cell (paper, equation 5; equations 6 and 7 are its two planes).
 
     Args:
-        tallies: histogram of equation 4 and the number of events behind it, for each hop of a
-            window: (hops, 2, rows, columns, 2), dimensionless.
-        averaging: what to divide by.
-        cell_area: pixels in a cell.
-        oldest: where the window begins; the hops follow it, around the end.
+        tallies: for each hop of a window, the histogram of equation 4 and the number of events in
+            it: (hops, 2, rows, columns, 2), dimensionless.
+        averaging: what the histogram is divided by.
+        cell_area: number of pixels in a cell.
+        oldest: index of the first hop of the window; the others follow it cyclically.
 
     Returns:
-        (2, rows, columns) float32; 0 where a cell has no event.
+        (2, rows, columns) float32; 0 in a cell without events.
     """
     mean: F32 = _averaged(tallies, oldest, _DIVISORS[averaging], float(cell_area))
     return mean
@@ -50,9 +50,9 @@ def _averaged(tallies: Any, oldest: int, divisor: int, cell_area: float) -> Any:
         totals[:] = 0.0
         for n in range(oldest, oldest + hops):
             for q in range(2):
-                into, here = totals[q], pairs[n % hops, q, row]
+                total_row, hop_row = totals[q], pairs[n % hops, q, row]
                 for k in range(2 * columns):
-                    into[k] += here[k]
+                    total_row[k] += hop_row[k]
         for q in range(2):
             for column in range(columns):
                 total, count = totals[q, 2 * column], totals[q, 2 * column + 1]

@@ -1,12 +1,13 @@
-"""What the paper leaves open, as choices: every reading can be selected and compared.
+"""Model variants: the choices that the paper leaves open, so that they can be compared.
 
-Their effect on drawn targets of 120 px, contrast 0.4, at 240 to 960 px/s in four directions and
-noise of 1 and 10 Hz a pixel (40 streams), everything else as in the paper preset. Right and wrong
-are shares of the steps after 100 ms in view, the rest said none; IoU and centre compare the region
-and the view centre with the truth; noise is the share of steps that named a direction in noise
-alone of 10 and 20 Hz a pixel (100 steps each).
+The first table gives their effect on synthetic targets of 120 px, contrast 0.4, at 240 to 960 px/s
+in four directions and in noise of 1 and 10 Hz per pixel (40 streams). Everything else is as in the
+paper preset. "Right" and "wrong" are shares of the steps after 100 ms in view [%]; the other steps
+were `NONE`. "IoU" and "centre" compare the region and the view centre with the truth. "Noise" is
+the share of steps that named a direction in noise alone of 10 and of 20 Hz per pixel (100 steps
+each).
 
-| reading                  | right | wrong | IoU  | centre | noise    |
+| model variant            | right | wrong | IoU  | centre | noise    |
 | ------------------------ | ----- | ----- | ---- | ------ | -------- |
 | paper preset             |  99.5 |   0.1 | 0.41 |  29 px | 0 %, 0 % |
 | time_surface = itself    |  98.6 |   0.1 | 0.36 |  29 px | 0 %, 1 % |
@@ -15,7 +16,7 @@ alone of 10 and 20 Hz a pixel (100 steps each).
 | averaging = area         |  89.3 |   8.1 | 0.48 |  22 px | 0 %, 0 % |
 | averaging = none         |  55.6 |  15.0 | 0.48 |  22 px | 0 %, 0 % |
 | offsets = doubling       |  99.9 |   0.0 | 0.42 |  28 px | 0 %, 0 % |
-| pair_location = delayed       |  89.0 |   0.9 | 0.42 |  27 px | 0 %, 3 % |
+| pair_location = delayed  |  89.0 |   0.9 | 0.42 |  27 px | 0 %, 3 % |
 | attention = maximum      |  99.2 |   0.1 | 0.44 |  25 px | 0 %, 0 % |
 | attention = everywhere   |  99.9 |   0.1 | 0.05 |  82 px | 0 %, 0 % |
 | local_motion = cell      |  99.1 |   0.1 | 0.44 |  25 px | 0 %, 0 % |
@@ -25,24 +26,25 @@ alone of 10 and 20 Hz a pixel (100 steps each).
 | snr_floor = 0            |  99.8 |   0.2 | 0.41 |  29 px | 0 %, 3 % |
 | wide preset              | 100.0 |   0.0 | 0.41 |  29 px | 0 %, 0 % |
 
-It was measured with share_floor = 0. On other drawings of such targets (20 streams) the floor takes
-no right step from any reading; in noise it takes what names a direction with snr_floor = 0 from
-7 to 3 %.
+It was measured with share_floor = 0. On other synthetic targets of this kind (20 streams) the
+floor removes no right step from any variant. In noise it reduces the steps that name a direction
+with snr_floor = 0 from 7 to 3 %.
 
-GRMS can be read in several ways too (`detector.metrics.grms`). Of rendered crossings seen by ten
-sensors each: in how many of them it rises through all four velocities, and how far it scatters
-from sensor to sensor, as the mean standard deviation over the mean. Three streets at 1.0, 1.4, 1.8
-and 2.2 rad/s, on which the default was chosen, and the paper's street and velocities:
+GRMS can be computed in several ways too (`detector.metrics.grms`). The second table is for rendered
+crossings, each seen by ten sensors. It gives in how many of them GRMS rises through all four
+velocities, and how far GRMS scatters from sensor to sensor (mean standard deviation over the mean).
+The default was chosen on the three streets, at 1.0, 1.4, 1.8 and 2.2 rad/s; "paper" is the paper's
+street and velocities.
 
-| of     | step   | three streets: day | night        | the paper's: day | night        |
-| ------ | ------ | ------------------ | ------------ | ---------------- | ------------ |
+| of     | step   | three streets, day | night         | paper, day       | night         |
+| ------ | ------ | ------------------ | ------------- | ---------------- | ------------- |
 | winner |  50 ms | 30 of 30,  1.3 %   | 30 of 30, 2 % | 10 of 10,  1.3 % | 10 of 10, 2 % |
 | winner |  10 ms | 30 of 30,  5.2 %   | 30 of 30, 5 % |  9 of 10,  6.8 % | 10 of 10, 2 % |
 | both   |  50 ms | 30 of 30,  3.3 %   | 30 of 30, 2 % | 10 of 10,  3.5 % | 10 of 10, 2 % |
 | both   |  10 ms | 26 of 30, 13.3 %   | 30 of 30, 5 % |  9 of 10, 11.0 % | 10 of 10, 2 % |
 
-By day the weaker system is noise, and so is a good part of what changes within 10 ms; a gradient
-squares it.
+By day the response of the weaker system is noise, and so is a good part of what changes within
+10 ms. The gradient squares this noise.
 """
 
 from __future__ import annotations
@@ -51,52 +53,52 @@ from enum import StrEnum
 
 
 class TimeSurface(StrEnum):
-    """Which events make up the time surface of an event (equation 3)."""
+    """The events that make up the time surface of an event (equation 3)."""
 
     EARLIER = "earlier"
-    """Strictly earlier ones, as printed: an isolated event scores 0."""
+    """Strictly earlier events, as printed. An isolated event scores 0."""
     ITSELF = "itself"
-    """The event too: an isolated event scores 1."""
+    """Earlier events and the event itself. An isolated event scores 1."""
 
 
 class Averaging(StrEnum):
-    """What the sum over a cell's events is divided by (equation 5)."""
+    """The divisor of the sum over a cell's events (equation 5)."""
 
     EVENTS = "events"
-    """The number of the cell's events of that polarity in the window."""
+    """Number of events of this polarity in the cell and the window."""
     BOTH = "both"
-    """The number of the cell's events of both polarities: |C| before equations 6 and 7 part it."""
+    """Number of events of both polarities: |C| before equations 6 and 7 separate them."""
     AREA = "area"
-    """The number of pixels in a cell: few events then count for little."""
+    """Number of pixels in a cell. Few events then count for little."""
     NONE = "none"
-    """Nothing: the histogram of equation 4."""
+    """No division: the histogram of equation 4."""
 
 
 class Offsets(StrEnum):
-    """How the correlation distances of equation 9 follow one another."""
+    """The series of correlation distances in equation 9."""
 
     EVEN = "even"
-    """sd, 2·sd, 3·sd, … n_c·sd: the printed limits, read as steps of sd."""
+    """sd, 2·sd, 3·sd, … n_c·sd: the printed limits, read as multiples of sd."""
     DOUBLING = "doubling"
     """sd, 2·sd, 4·sd, … 2^(n_c − 1)·sd: many scales from few distances."""
 
 
 class PairLocation(StrEnum):
-    """The cell to which the correlation of a pair belongs (equation 9)."""
+    """The cell that the correlation of a pair belongs to (equation 9)."""
 
     MIDPOINT = "midpoint"
-    """The middle of the pair: the edge of a region cuts pairs of opposite directions alike."""
+    """The midpoint of the pair. The edge of a region cuts pairs of opposite directions alike."""
     DELAYED = "delayed"
     """The point with the delayed signal, as printed."""
 
 
 class Attention(StrEnum):
-    """How the view centre finds its place (equations 10 to 15)."""
+    """How the view centre is placed (equations 10 to 15)."""
 
     STEERED = "steered"
-    """By the steering response, towards the most salient cell."""
+    """The steering response moves it towards the most salient cell."""
     MAXIMUM = "maximum"
-    """It is the most salient cell, as equation 10 has it when read alone."""
+    """It is the most salient cell, as in equation 10 read alone."""
     EVERYWHERE = "everywhere"
     """No attention: the whole field is the region of interest."""
 
@@ -107,31 +109,31 @@ class LocalMotion(StrEnum):
     SHARE = "share"
     """The total of both directions: in [−1, 1], so that its gain is a distance."""
     CELL = "cell"
-    """Nothing, at the one cell of the view centre, as printed."""
+    """Nothing; it is taken at the one cell of the view centre, as printed."""
 
 
 class RegionActivity(StrEnum):
-    """What the region of interest grows on (equation 16)."""
+    """The activity on which the region of interest grows (equation 16)."""
 
     BOTH = "both"
-    """Present and delayed surfaces: both arms of the correlations lie inside."""
+    """Present and delayed surfaces, so that both points of the correlated pairs lie inside."""
     PRESENT = "present"
-    """Present surfaces."""
+    """Present surfaces only."""
 
 
 class Normalisation(StrEnum):
-    """How a response is brought into (−1, 1)."""
+    """How a response is mapped into (−1, 1)."""
 
     CELLS = "cells"
-    """A sigmoid of the response over the number of cells: strength tells slow from fast."""
+    """Sigmoid of the response over the number of cells. Strength distinguishes slow from fast."""
     TOTAL = "total"
-    """Its share of the sum of both directions: strength tells how much agrees."""
+    """Share of the sum of both directions. Strength is the degree of agreement."""
 
 
 class GrmsOf(StrEnum):
-    """The response whose gradient GRMS takes (figure 5 B)."""
+    """The response whose gradient GRMS measures (figure 5 B)."""
 
     WINNER = "winner"
-    """The stronger system's at each step, which is what the model puts out (section II-D)."""
+    """The response of the stronger system at each step: the output of the model (section II-D)."""
     BOTH = "both"
-    """Those of both systems."""
+    """The responses of both systems."""

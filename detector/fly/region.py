@@ -1,4 +1,4 @@
-"""The region of interest: what belongs to the thing that the fly looks at."""
+"""The region of interest: the cells that belong to the object at the view centre."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import numpy.typing as npt
 def search_square(
     shape: tuple[int, int], centre: tuple[float, float], *, reach: float
 ) -> tuple[slice, slice]:
-    """Rows and columns of the cells whose centres lie within reach of the view centre.
+    """Return the rows and columns of cells whose centres lie in the square around the view centre.
 
     Args:
         shape: rows and columns of the grid.
         centre: view centre, (x, y), on the grid [cells].
-        reach: half side of the square [cells]; below 0.5 it may hold no cell.
+        reach: half side of the square [cells]; below 0.5 the square may contain no cell.
     """
     rows, columns = shape
     left, right = max(0, math.ceil(centre[0] - reach)), min(columns, int(centre[0] + reach) + 1)
@@ -28,27 +28,29 @@ def search_square(
 def region_of_interest(
     activity: npt.NDArray[np.float32], centre: tuple[float, float], *, reach: float, share: float
 ) -> npt.NDArray[np.bool_]:
-    """Connected region grown from the view centre inside the search square (paper, equation 16).
+    """Grow a connected region from the view centre inside the search square (paper, equation 16).
 
-    It starts at the active cell nearest to the centre and takes in its eight neighbours in turn.
+    The region starts at the active cell nearest to the view centre and grows over active cells
+    through their eight neighbours.
 
     Args:
-        activity: what the region may grow on, (rows, columns) float32.
-        centre: view centre [cells].
+        activity: activity of each cell, (rows, columns) float32.
+        centre: view centre, (x, y) [cells].
         reach: R, half side of the search square [cells].
-        share: of the square's largest activity, what makes a cell active, in (0, 1].
+        share: activity above which a cell is active, relative to the largest in the square, in
+            (0, 1].
 
     Returns:
-        Ω, (rows, columns) bool; empty where nothing is active within reach.
+        Ω, (rows, columns) bool; empty if no cell in the square is active.
     """
     rows, columns = search_square(activity.shape, centre, reach=reach)
     square = activity[rows, columns]
-    mask = np.zeros(activity.shape, np.bool_)
+    region = np.zeros(activity.shape, np.bool_)
     if square.max(initial=0.0) <= 0.0:
-        return mask
+        return region
     active = square >= share * square.max()
     y, x = np.nonzero(active)
     nearest = np.argmin((x + columns.start - centre[0]) ** 2 + (y + rows.start - centre[1]) ** 2)
     _, labels = cv2.connectedComponents(active.astype(np.uint8), connectivity=8)
-    mask[rows, columns] = labels == labels[y[nearest], x[nearest]]
-    return mask
+    region[rows, columns] = labels == labels[y[nearest], x[nearest]]
+    return region

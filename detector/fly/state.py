@@ -1,4 +1,4 @@
-"""Saved states of a fly: plain arrays by name, and the check that they fit."""
+"""Saved states of a fly: named plain arrays, and the checks that they fit a detector."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from detector.errors import StateError
 from detector.fly.config import FlyConfig
 
 State = dict[str, npt.NDArray[Any]]
-"""Arrays without Python objects: `np.savez(path, **state)` keeps it, `pickle` too."""
+"""Arrays without Python objects; `np.savez(path, **state)` or `pickle` saves them."""
 
 _FORMAT = 1
+_REMEDY = "Pass everything that FlyDetector.state() returned, unchanged."
 
 
-def origin(config: FlyConfig, *, width: int, height: int) -> State:
-    """What a state must agree with: its format, the parameters as JSON, the sensor's size."""
+def state_header(config: FlyConfig, *, width: int, height: int) -> State:
+    """Return what a state must match: its format, the parameters as JSON, the sensor size."""
     return {
         "format": np.array(_FORMAT),
         "config": np.array(json.dumps(asdict(config))),
@@ -28,67 +29,68 @@ def origin(config: FlyConfig, *, width: int, height: int) -> State:
     }
 
 
-def check_origin(state: Mapping[str, npt.NDArray[Any]], expected: State) -> None:
-    """Refuse what is no state, and the state of another format, configuration or sensor.
+def check_header(state: Mapping[str, npt.NDArray[Any]], expected: State) -> None:
+    """Refuse a state that is not one, or that has another format, configuration or sensor.
 
     Raises:
-        StateError: it is one.
+        StateError: the state does not match.
     """
     if not isinstance(state, Mapping):
         raise StateError(
-            f"the state is of type {type(state).__name__}; allowed are arrays by name; pass what "
-            "FlyDetector.state() gave, or np.load of the .npz that keeps it"
+            f"The state is of type {type(state).__name__}. Allowed are arrays by name. Pass what "
+            "FlyDetector.state() returned, or np.load of the .npz file that it was saved to."
         )
     for name, array in state.items():
         if not isinstance(array, np.ndarray):
             raise StateError(
-                f"{name} of the state is of type {type(array).__name__}; allowed is an array; pass "
-                "what FlyDetector.state() gave, whole"
+                f"{name} of the state is of type {type(array).__name__}. Allowed is an array. "
+                f"{_REMEDY}"
             )
     for name, value in expected.items():
         found = state[name].tolist() if name in state else "missing"
         if found != value.tolist():
             raise StateError(
-                f"the state's {name} is {found}; allowed is this detector's own, "
-                f"{value.tolist()}; make a detector with the state's configuration and sensor"
+                f"{name} of the state is {found}. Allowed is that of this detector, "
+                f"{value.tolist()}. Make a detector with the configuration and sensor of the state."
             )
 
 
-def check_arrays(state: Mapping[str, npt.NDArray[Any]], present: State, loose: set[str]) -> None:
-    """Refuse a state whose arrays are not of the kind that a detector has now.
+def check_arrays(
+    state: Mapping[str, npt.NDArray[Any]], expected: State, any_length: set[str]
+) -> None:
+    """Refuse a state whose arrays differ from a detector's own in name, dtype or shape.
 
     Args:
         state: candidate.
-        present: state of the detector that shall take it.
-        loose: names of the arrays whose length may differ.
+        expected: present state of the detector that is to take it.
+        any_length: names of the arrays whose length may differ.
 
     Raises:
-        StateError: a name is missing, or its array has another dtype or shape, or holds what is no
-            finite number.
+        StateError: an array is missing, has another dtype or shape, or contains NaN or infinity.
     """
-    for name, mine in present.items():
-        theirs = state.get(name)
-        if theirs is None:
-            raise StateError(f"the state has no {name}; pass what FlyDetector.state() gave, whole")
-        is_alike = theirs.dtype == mine.dtype and theirs.ndim == mine.ndim
-        if not is_alike or (name not in loose and theirs.shape != mine.shape):
+    for name, own in expected.items():
+        given = state.get(name)
+        if given is None:
+            raise StateError(f"The state has no {name}. {_REMEDY}")
+        is_alike = given.dtype == own.dtype and given.ndim == own.ndim
+        if not is_alike or (name not in any_length and given.shape != own.shape):
             raise StateError(
-                f"{name} of the state is {theirs.dtype} of shape {theirs.shape}; allowed is "
-                f"{mine.dtype} of shape {mine.shape}; pass what FlyDetector.state() gave, whole"
+                f"{name} of the state is {given.dtype} of shape {given.shape}. Allowed is "
+                f"{own.dtype} of shape {own.shape}. {_REMEDY}"
             )
-        if theirs.dtype.kind == "f" and not np.isfinite(theirs).all():
+        if given.dtype.kind == "f" and not np.isfinite(given).all():
             raise StateError(
-                f"{name} of the state holds NaN or infinity; allowed are finite numbers; pass what "
-                "FlyDetector.state() gave, unchanged"
+                f"{name} of the state contains NaN or infinity. Allowed are finite numbers. "
+                f"{_REMEDY}"
             )
 
 
-def joined(parts: Mapping[str, State]) -> State:
-    """One state of several, each name after its part's."""
+def join_parts(parts: Mapping[str, State]) -> State:
+    """Return one state of several parts; each name begins with that of its part."""
     return {f"{part}.{name}": a for part, state in parts.items() for name, a in state.items()}
 
 
 def part_of(state: Mapping[str, npt.NDArray[Any]], part: str) -> State:
-    """The arrays of one part, by their own names."""
-    start = f"{part}."
-    return {name.removeprefix(start): a for name, a in state.items() if name.startswith(start)}
+    """Return the arrays of one part, by their names within it."""
+    prefix = f"{part}."
+    return {name.removeprefix(prefix): a for name, a in state.items() if name.startswith(prefix)}

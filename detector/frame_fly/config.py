@@ -1,4 +1,4 @@
-"""Every parameter of the frame-based fly, with its unit and its source."""
+"""The parameters of the frame-based fly, each with its unit and its source."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from flybench.checks import Range, check_ranges
 class FrameFlyConfig:
     """Parameters of `FrameFly`: those of Fu and Yue (2020), and what they leave open.
 
-    Source of all that is not marked otherwise: Q. Fu and S. Yue, "Modelling Drosophila motion
-    vision pathways for decoding the direction of translating objects against cluttered moving
-    backgrounds", Biological Cybernetics 114 (4), 443 to 460, 2020. None was fitted to anything
-    here.
+    Source of every value that is not marked otherwise: Q. Fu and S. Yue, "Modelling Drosophila
+    motion vision pathways for decoding the direction of translating objects against cluttered
+    moving backgrounds", Biological Cybernetics 114 (4), 443 to 460, 2020. No value was fitted to
+    our sequences.
 
     Attributes:
-        full_scale_dn: count of the APS that becomes grey level 255, since the model is made for 8
-            bits [DN]. Full scale of the DAVIS346's 10 bits.
-        cell_px: side of the squares that are averaged into one grey level; 1 leaves the pixels as
-            they are, as the model has them [px].
+        full_scale_dn: APS count that becomes grey level 255 [DN], because the model is made for 8
+            bits. Full scale of the 10 bits of the DAVIS346.
+        cell_px: side of the squares that are averaged into one grey level [px]. 1 keeps the pixels,
+            as the model does.
         sigma_centre_cells: σ of the excitatory Gaussian [cells].
-        sigma_surround_cells: σ of the inhibitory Gaussian, twice the other [cells].
+        sigma_surround_cells: σ of the inhibitory Gaussian [cells], twice that of the excitatory.
         kernel_centre_cells: side of the excitatory kernel [cells]; odd.
         kernel_surround_cells: side of the inhibitory kernel [cells]; odd.
         depolarising_us: time constant of the adaptation while its input rises [µs].
-        repolarising_us: time constant while it falls or stays [µs].
+        repolarising_us: time constant of the adaptation while its input falls or stays [µs].
         offsets_cells: distances between the two points of a correlator [cells].
         delays_us: time constant of the delay at each of these distances [µs].
-        smoothing: share of the present in the temporal smoothing of T4 and T5. The source's 0.9,
-            read as the share of the present, which costs the least delay (assumed).
-        response_scale: response a cell by which the sigmoid of the tangential cells scales.
+        smoothing: weight of the present in the temporal smoothing of T4 and T5. The 0.9 of the
+            source, read as the weight of the present, which gives the shortest delay (assumed).
+        response_scale: response per cell that scales the sigmoid of the tangential cells.
         snr_floor: least signal-to-noise ratio of a response that counts as motion; see
-            `detector.frame_fly.correlation.block_signal_to_noise`. As the event-driven fly's
+            `detector.frame_fly.correlation.block_signal_to_noise`. As for the event-driven fly
             (assumed).
 
     Raises:
-        DetectorConfigError: a value of another type or outside its range.
+        DetectorConfigError: a value has the wrong type or is out of range.
     """
 
     full_scale_dn: float = 1023.0
@@ -58,32 +58,35 @@ class FrameFlyConfig:
 
     @classmethod
     def preset(cls, name: str) -> FrameFlyConfig:
-        """Parameters by name: "published", or "coarse" for faster motion; see `PRESETS`.
+        """Return the parameters of a preset: "published", or "coarse" for faster motion.
+
+        See `PRESETS`.
 
         Raises:
-            DetectorConfigError: there is none of this name.
+            DetectorConfigError: there is no preset of this name.
         """
-        if name not in PRESETS:
+        if not isinstance(name, str) or name not in PRESETS:
             raise DetectorConfigError(
-                f"the preset is {name!r}; allowed is one of {', '.join(map(repr, PRESETS))}"
+                f"The preset is {name!r}. Allowed is one of {', '.join(map(repr, PRESETS))}."
             )
         return PRESETS[name]
 
     def __post_init__(self) -> None:
-        """Check every value, and bring it to its type."""
+        """Check every value and convert it to its type."""
         check_ranges(self, _RANGES, DetectorConfigError)
         for name, (low, high) in _TUPLE_RANGES.items():
             self._check_tuple(name, low, high)
         if len(self.offsets_cells) != len(self.delays_us):
             raise DetectorConfigError(
                 f"offsets_cells has {len(self.offsets_cells)} values and delays_us "
-                f"{len(self.delays_us)}; allowed is one delay for each distance"
+                f"{len(self.delays_us)}. Allowed is one delay for each distance. Add or remove "
+                "values."
             )
         for name in ("kernel_centre_cells", "kernel_surround_cells"):
             if getattr(self, name) % 2 == 0:
                 raise DetectorConfigError(
-                    f"{name} is {getattr(self, name)}; allowed is an odd number, which has a "
-                    "middle; add 1"
+                    f"{name} is {getattr(self, name)}. Allowed is an odd number, so that the "
+                    "kernel has a centre. Add 1."
                 )
 
     def _check_tuple(self, name: str, low: int, high: int) -> None:
@@ -93,14 +96,14 @@ class FrameFlyConfig:
             isinstance(v, Integral) and low <= int(v) <= high for v in values
         ):
             raise DetectorConfigError(
-                f"{name} is {values!r}; allowed is a tuple of 1 to {_MOST_OFFSETS} whole numbers "
-                f"from {low} to {high}"
+                f"{name} is {values!r}. Allowed is a tuple of 1 to {_MOST_OFFSETS} whole numbers "
+                f"from {low} to {high}. Choose values in that range."
             )
         object.__setattr__(self, name, tuple(int(v) for v in values))
 
 
 _MOST_OFFSETS = 16
-"""Most correlation distances (assumed)."""
+"""Largest number of correlation distances (assumed)."""
 _RANGES: dict[str, Range] = {
     "full_scale_dn": Range(1.0, 65_535.0),
     "cell_px": Range(1, 64),
@@ -122,10 +125,10 @@ PRESETS = {
 }
 """Parameters by name.
 
-published: the model as it stands, on every pixel. Its distances of 2, 4 and 6 px a frame are 80 to
-240 px/s at 40 frames a second, and a quarter of that at 10.
+published: the model as published, on every pixel. Its distances of 2, 4 and 6 px a frame are 80 to
+240 px/s at 40 frames per second, and a quarter of that at 10.
 
-coarse: the same model on cells of 3 px, those of the event-driven fly, so that both look through
-the same eye. All distances are then three times as long: 6 to 18 px a frame, 240 to 720 px/s at 40
-frames a second.
+coarse: the same model on cells of 3 px, those of the event-driven fly, so that both models have the
+same spatial resolution. All distances are then three times as long: 6 to 18 px a frame, or 240 to
+720 px/s at 40 frames per second.
 """

@@ -1,6 +1,7 @@
-"""T4 and T5 of the frame-based fly: ensembles of opponent correlators, and what sums them.
+"""T4, T5 and the tangential cells of the frame-based fly: opponent correlators and their sums.
 
-The equations are those of Fu and Yue (2020); `detector.fly.correlation` has the event-driven fly's.
+The equations are those of Fu and Yue (2020). Those of the event-driven fly are in
+`detector.fly.correlation`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from detector.frame_fly.pathways import share_of_present
+from detector.frame_fly.pathways import weight_of_present
 from flybench.kernels import compiled
 
 F32 = npt.NDArray[np.float32]
@@ -22,15 +23,15 @@ _BELOW_HALF = math.nextafter(0.5, 0.0)
 
 
 def delayed(now: F32, before: F32, *, interval_us: float, tau_us: float) -> F32:
-    """A signal's delayed copy: a mix of its last two frames, α·x(t) + (1 − α)·x(t−1).
+    """Return the delayed signal, a mix of its last two frames: α·x(t) + (1 − α)·x(t−1).
 
     Args:
-        now: the signal at this frame.
-        before: the signal at the frame before.
-        interval_us: time between the two [µs].
+        now: signal at this frame.
+        before: signal at the previous frame.
+        interval_us: time between the two frames [µs].
         tau_us: time constant of the delay [µs].
     """
-    return _mixed(now, before, share=share_of_present(interval_us, tau_us))
+    return _mixed(now, before, weight=weight_of_present(interval_us, tau_us))
 
 
 def opponent_motion(
@@ -41,16 +42,16 @@ def opponent_motion(
     offsets: Sequence[int],
     delays_us: Sequence[float],
 ) -> F32:
-    """Full correlators along both axes, summed over their distances.
+    """Correlate one pathway along both axes and sum over the distances.
 
-    A correlator multiplies the delayed signal of a point with the present one of a point further
-    on, and subtracts the same with the delay exchanged. It is noted at the pair's midpoint, or the
-    cell before it.
+    A correlator multiplies the delayed signal of a point with the present signal of a point further
+    along the axis, and subtracts the product with the delay exchanged. Its output belongs to the
+    midpoint of the pair, or to the cell before it if the midpoint lies between two cells.
 
     Args:
-        now: one pathway's signal at this frame, (rows, columns), ≥ 0.
-        before: the same at the frame before.
-        interval_us: time between the two [µs].
+        now: signal of the pathway at this frame, (rows, columns), ≥ 0.
+        before: signal of the pathway at the previous frame, (rows, columns), ≥ 0.
+        interval_us: time between the two frames [µs].
         offsets: distances between the two points [cells].
         delays_us: time constant of the delay at each distance [µs].
 
@@ -66,7 +67,7 @@ def opponent_motion(
 
 @compiled
 def _add_correlators(motion: Any, now: Any, late: Any, offset: int) -> None:
-    """Add the pairs at a distance along both axes where their midpoints are."""
+    """Add the correlators of all pairs at one distance, each at the midpoint of its pair."""
     rows, columns = now.shape
     first = offset // 2
     for y in range(rows):
@@ -83,57 +84,57 @@ def _add_correlators(motion: Any, now: Any, late: Any, offset: int) -> None:
             middle[x] += near_late[x] * far_now[x] - near_now[x] * far_late[x]
 
 
-def smoothed(now: F32, before: F32, *, share: float) -> F32:
-    """T4 and T5 in time: `share` of the present and the rest of the past."""
-    return _mixed(now, before, share=share)
+def smoothed(now: F32, before: F32, *, weight: float) -> F32:
+    """Smooth T4 and T5 in time: `weight` of the present and the rest of the past."""
+    return _mixed(now, before, weight=weight)
 
 
-def _mixed(now: F32, before: F32, *, share: float) -> F32:
+def _mixed(now: F32, before: F32, *, weight: float) -> F32:
     mix = np.empty(now.shape, np.float32)
-    _mix(now.ravel(), before.ravel(), np.float32(share), mix.ravel())
+    _mix(now.ravel(), before.ravel(), np.float32(weight), mix.ravel())
     return mix
 
 
 @compiled
-def _mix(now: Any, before: Any, share: Any, mix: Any) -> None:
-    rest = np.float32(1.0) - share
+def _mix(now: Any, before: Any, weight: Any, mix: Any) -> None:
+    rest = np.float32(1.0) - weight
     for k in range(now.size):
-        mix[k] = share * now[k] + rest * before[k]
+        mix[k] = weight * now[k] + rest * before[k]
 
 
 def tangential_response(total: float, *, cells: int, scale: float) -> float:
-    """One pathway's share of HS or VS: sgn(S)·(1 / (1 + e^(−|S| / (N·C))) − 1/2).
+    """Return the part of HS or VS from one pathway: sgn(S)·(1 / (1 + e^(−|S| / (N·C))) − 1/2).
 
     Args:
         total: S, the sum of a direction map.
         cells: N, the number of cells in the map.
-        scale: C, the response a cell that it scales by.
+        scale: C, the response per cell that scales the sigmoid.
 
     Returns:
-        In (−1/2, 1/2); HS and VS are the sums of an ON and an OFF pathway.
+        Value in (−1/2, 1/2); HS and VS are each the sum of the ON and the OFF pathway.
     """
     response = 0.5 * math.tanh(total / (2.0 * cells * scale))
     return max(-_BELOW_HALF, min(_BELOW_HALF, response))
 
 
 def block_sums(maps: F32, *, side: int) -> F64:
-    """Sums over square blocks; those at the right and lower edge are what is left.
+    """Sum maps over square blocks; blocks at the right and lower edge may be smaller.
 
     Args:
         maps: (maps, rows, columns).
-        side: of a block [cells].
+        side: side of a block [cells].
 
     Returns:
         (maps, rows of blocks, columns of blocks) float64.
     """
     number, rows, columns = maps.shape
     sums = np.zeros((number, -(-rows // side), -(-columns // side)))
-    _add_up(maps, side, sums)
+    _add_blocks(maps, side, sums)
     return sums
 
 
 @compiled
-def _add_up(maps: Any, side: int, sums: Any) -> None:
+def _add_blocks(maps: Any, side: int, sums: Any) -> None:
     number, rows, columns = maps.shape
     line = np.empty(columns)
     for n in range(number):
@@ -149,18 +150,19 @@ def _add_up(maps: Any, side: int, sums: Any) -> None:
 
 
 def block_signal_to_noise(sums: F64) -> tuple[float, float]:
-    """How far HS and VS stand out from what does not agree; see `detector.fly.tangential`.
+    """Return the ratios of HS and VS to what blocks of random sign would give.
 
-    Neighbours share their input through the Gaussians and cannot be counted as independent, so
-    the ratio |Σd| / √Σd² is taken over sums of blocks. With blocks of the smaller kernel's side,
-    5, sensor noise alone has a ratio of 1.16 (root mean square); larger ones change that little,
-    but leave so few blocks that what does move cannot reach much.
+    The ratio is |Σd| / √Σd², as in `detector.fly.tangential.signal_to_noise`, but d is the sum of a
+    block: neighbouring cells share their input through the Gaussians and are not independent. With
+    blocks of 5 cells a side, the side of the smaller kernel, sensor noise alone has a ratio of 1.16
+    (root mean square). Larger blocks change that little, but leave so few blocks that motion cannot
+    reach a high ratio.
 
     Args:
         sums: `block_sums` of the opponent map, (2, rows, columns).
 
     Returns:
-        The ratio of HS and of VS; 0 in suppress_output.
+        The ratios of HS and VS; 0 if no block responds.
     """
     totals, powers = np.abs(sums.sum(axis=(1, 2))), np.sqrt((sums**2).sum(axis=(1, 2)))
     horizontal, vertical = np.divide(totals, powers, out=np.zeros(2), where=powers > 0.0)

@@ -1,4 +1,4 @@
-"""The frame-based fly: the model of Fu and Yue (2020), on APS frames at their own rate."""
+"""The frame-based fly: the model of Fu and Yue (2020), on APS frames at any rate."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from detector.decision import winner_take_all
 from detector.errors import DetectorConfigError, FrameError
 from detector.estimate import MotionEstimate
-from detector.event_checks import check_chunk, check_order, whole_time
-from detector.fly.tangential import winner_take_all
+from detector.event_checks import check_chunk, check_order, checked_time
 from detector.frame_fly.config import FrameFlyConfig
 from detector.frame_fly.correlation import (
     block_signal_to_noise,
@@ -36,14 +36,14 @@ F32 = npt.NDArray[np.float32]
 
 
 class FrameFly:
-    """Direction of motion from frames, as the fly's optic lobe would (Fu and Yue, 2020).
+    """Direction of motion from frames, modelled on the fly's optic lobe (Fu and Yue, 2020).
 
-    It is a `FrameDetector`: it gives an estimate at every frame but the first, and listens to
-    events only for their time. Every filter follows the interval between frames, whatever it is.
+    It is a `FrameDetector`: it returns an estimate at every frame but the first, and uses only the
+    times of events. Its filters adapt to the interval between frames.
 
-    Operating range: correlators see motion by 2 to 6 cells a frame, and a little beyond where the
-    pattern is coarse. That is 80 to 240 px/s at 40 frames a second, 20 to 60 px/s at 10; the preset
-    "coarse" has three times as much.
+    Operating range: the correlators respond to motion by 2 to 6 cells a frame, and by a little more
+    if the pattern is coarse. That is 80 to 240 px/s at 40 frames per second, and 20 to 60 px/s at
+    10. With the preset "coarse", speeds are three times as high.
     """
 
     def __init__(
@@ -52,19 +52,19 @@ class FrameFly:
         """Start at time 0 without a frame.
 
         Args:
-            config: parameters; the published ones where None.
+            config: parameters; None: the published ones.
             width: sensor columns [px].
             height: sensor rows [px].
 
         Raises:
-            DetectorConfigError: the sensor has no room for one correlation distance.
+            DetectorConfigError: the sensor is smaller than the shortest correlation distance.
         """
         self.config = c = config or FrameFlyConfig()
         least = (min(c.offsets_cells) + 1) * c.cell_px
         if min(width, height) < least or max(width, height) > 32_767:
             raise DetectorConfigError(
-                f"the sensor is {width}×{height} px; allowed is {least} to 32767 px a side with "
-                f"cells of {c.cell_px} px and offsets_cells = {c.offsets_cells}; lower these"
+                f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
+                f"cells of {c.cell_px} px and offsets_cells = {c.offsets_cells}. Lower these."
             )
         self._width, self._height = width, height
         grid = height // c.cell_px, width // c.cell_px
@@ -79,11 +79,11 @@ class FrameFly:
         self._frame_us = self._now_us = 0
 
     def push(self, events: Events) -> list[MotionEstimate]:
-        """Take the time from the next events; see `Detector.push`. There are no estimates.
+        """Note the time of the next events and return no estimates; see `Detector.push`.
 
         Raises:
-            EventError: not a sorted stream of `EVENT_DTYPE` from this sensor.
-            EventOrderError: the first event is older than what was passed or advanced to before.
+            EventError: the chunk is not a sorted stream of `EVENT_DTYPE` from this sensor.
+            EventOrderError: the first event is before an event or a time that was passed before.
         """
         check_chunk(events, width=self._width, height=self._height, now_us=self._now_us)
         if events.size:
@@ -91,25 +91,26 @@ class FrameFly:
         return []
 
     def advance(self, t_us: int) -> list[MotionEstimate]:
-        """Learn that every event before `t_us` was passed; see `Detector.advance`.
+        """Declare that every event before `t_us` has been passed; see `Detector.advance`.
 
         Raises:
-            EventOrderError: `t_us` is before what was passed or advanced to before, or is no whole
-                number.
+            EventOrderError: `t_us` is before an event or a time that was passed before, or is not a
+                whole number.
         """
-        t_us = whole_time(t_us)
+        t_us = checked_time(t_us)
         check_order(t_us, self._now_us)
         self._now_us = t_us
         return []
 
     def push_frame(self, t_us: int, frame: npt.NDArray[np.uint16]) -> list[MotionEstimate]:
-        """Take the next frame; see `FrameDetector.push_frame`.
+        """Process the next frame; see `FrameDetector.push_frame`.
 
         Raises:
-            FrameError: no (height, width) uint16 array.
-            EventOrderError: `t_us` is before what was passed before, or is no whole number.
+            FrameError: the frame is not a (height, width) uint16 array.
+            EventOrderError: `t_us` is before an event or a time that was passed before, or is not a
+                whole number.
         """
-        t_us = whole_time(t_us)
+        t_us = checked_time(t_us)
         check_order(t_us, self._now_us)
         self._check_frame(frame)
         c = self.config
@@ -118,7 +119,7 @@ class FrameFly:
         self._frame_us = self._now_us = t_us
         if before is None:
             return []
-        self._see(luminance_change(self._levels, before), interval_us)
+        self._update_motion(luminance_change(self._levels, before), interval_us)
         return [self._estimate(t_us)]
 
     def _check_frame(self, frame: npt.NDArray[np.uint16]) -> None:
@@ -126,14 +127,14 @@ class FrameFly:
         if isinstance(frame, np.ndarray):
             if frame.dtype == np.uint16 and frame.shape == (self._height, self._width):
                 return
-            kind = f"{frame.dtype} array of shape {frame.shape}"
+            kind = f"{frame.dtype} and shape {frame.shape}"
         raise FrameError(
-            f"the frame is a {kind}; allowed is a uint16 array of shape ({self._height}, "
-            f"{self._width}); pass the sensor's raw counts, or make the detector with its size"
+            f"The frame is of type {kind}. Allowed is a uint16 array of shape ({self._height}, "
+            f"{self._width}). Pass the raw counts of the sensor, or make a detector of its size."
         )
 
-    def _see(self, change: F32, interval_us: int) -> None:
-        """From a change of luminance to T4 and T5."""
+    def _update_motion(self, change: F32, interval_us: int) -> None:
+        """Compute T4 and T5 from a change of luminance."""
         c = self.config
         lamina = spatial_difference(blurred(change, self._centre), blurred(change, self._surround))
         pathways = self._adaptation.step(on_off(lamina), interval_us=interval_us)
@@ -145,11 +146,11 @@ class FrameFly:
                 offsets=c.offsets_cells,
                 delays_us=c.delays_us,
             )
-            self._motion[n] = smoothed(motion, self._motion[n], share=c.smoothing)
+            self._motion[n] = smoothed(motion, self._motion[n], weight=c.smoothing)
         self._pathways = pathways
 
     def _estimate(self, t_us: int) -> MotionEstimate:
-        """Tangential cells: HS and VS from T4 and T5 of the whole field."""
+        """Compute HS and VS from T4 and T5 of the whole field."""
         c = self.config
         grid = self._motion.shape[2:]
         sums = block_sums(self._motion.reshape(4, *grid), side=c.kernel_centre_cells)

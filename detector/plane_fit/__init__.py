@@ -1,1 +1,1 @@
-"""Local plane fits to the surface of active events (Benosman et al. 2014)."""
+"""Local plane fits to the surface of active events (Benosman et al., 2014)."""

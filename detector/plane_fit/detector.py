@@ -2,10 +2,11 @@
 
 R. Benosman, C. Clercq, X. Lagorce, S.-H. Ieng and C. Bartolozzi, "Event-based visual flow", IEEE
 Transactions on Neural Networks and Learning Systems 25 (2), 2014. Where an edge passes, the times
-of the last events form a plane, t = a·x + b·y + c. The slope (a, b) points where the edge goes
-and is as long as the edge is slow. It tells no more than the motion across the edge (the aperture
-problem), but a velocity v of the whole object obeys a·v_x + b·v_y = 1 for each of its edges: with
-edges of several directions the least squares over a window give v.
+of the last events form a plane, t = a·x + b·y + c. The slope (a, b) points in the direction in
+which the edge moves, and its length is the inverse of the edge's speed. It gives only the motion
+across the edge (the aperture problem). But a velocity v of the whole object satisfies
+a·v_x + b·v_y = 1 for each of its edges, so that with edges of several directions, least squares
+over a window give v.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from detector.decision import velocity_estimate
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
-from detector.fly.tangential import winner_take_all, within_one
-from detector.plane_fit.surface_slopes import SurfaceSlopes
+from detector.plane_fit.surface_slopes import FitLimits, SurfaceSlopes
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events
@@ -32,38 +33,41 @@ __all__ = ["PlaneFit", "PlaneFitConfig"]
 F64 = npt.NDArray[np.float64]
 
 _ROUNDS = 10
-"""Rounds of reweighting (assumed): afterwards drawn velocities change by less than 0.1 %."""
+"""Rounds of reweighting (assumed). Further rounds change velocities of synthetic stimuli by less
+than 0.1 %."""
 _RIDGE = 1e-3
-"""Share by which slow velocities are preferred, which decides where edges do not tell (assumed)."""
+"""Relative preference for slow velocities, which decides where edges of one direction leave the
+velocity open (assumed)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaneFitConfig:
-    """Parameters of `PlaneFit`. None was chosen on the sequences that methods are judged on.
+    """Parameters of `PlaneFit`. No value was chosen on the sequences used for evaluation.
 
     Attributes:
-        window_us: span of the fits that one estimate is made of [µs]. The event-driven fly's Δt.
-        hop_us: step between estimates [µs]; windows are multiples of it. The fly's.
-        radius_px: half side of the square that a plane is fitted to [px]. 2: 5×5 (assumed; the
+        window_us: span of the fits of one estimate [µs]. Δt of the event-driven fly.
+        hop_us: step between estimates [µs]; the window is a multiple of it. That of the
+            event-driven fly.
+        radius_px: half side of the square in which a plane is fitted [px]. 2: 5×5 (assumed; the
             source has 3×3 and 5×5).
-        span_us: how much older than its event a neighbour may be [µs]. 100 ms: an edge of 25 px/s
-            crosses the square (assumed).
+        span_us: greatest age of a neighbour relative to its event [µs]. 100 ms: an edge of 25 px/s
+            crosses the square in that time (assumed).
         burst_us: an event this soon after another of its pixel and polarity belongs to the same
-            edge, and does not count [µs]. 4 ms (assumed): a sharp edge of 50 px/s makes events
-            that close together, and the edges of one polarity at 1500 px/s are 6 px apart.
-        least_neighbours: least number of neighbours in a fit. 10 of the 15 that an edge has swept
-            (assumed): of drawn textures, that leaves out nearly all fits across several edges.
-        tolerance_px: how far a neighbour may lie off the plane, as the way that the edge goes in
-            that time [px]. 0.5 (assumed): half a pixel, which is how exactly events know where
-            they are.
-        limit_px_s: speed of which hs or vs is 1 [px/s]; faster fits are left out. 1500, as
+            edge and is not used [µs]. 4 ms: a sharp edge of 50 px/s makes events this close
+            together, and edges of one polarity at 1500 px/s are 6 px apart (assumed).
+        least_neighbours: least number of neighbours in a fit. 10 of the 15 that an edge has swept:
+            on synthetic textures, this excludes nearly all fits across several edges (assumed).
+        tolerance_px: greatest distance of a neighbour from the plane, as the distance that the edge
+            moves in that time [px]. 0.5: half a pixel, the precision of an event's position
+            (assumed).
+        limit_px_s: speed at which hs or vs is 1 [px/s]; faster fits are excluded. 1500, as in
             `ContrastConfig`.
-        least_fits: of fewer, no velocity is given (assumed).
-        snr_floor: least ratio of velocity to its standard error that counts as motion. 5
-            (assumed): fits share neighbours and are not quite independent.
+        least_fits: least number of fits for a velocity (assumed).
+        snr_floor: least ratio of the velocity to its standard error that counts as motion. 5: fits
+            share neighbours and are not quite independent (assumed).
 
     Raises:
-        DetectorConfigError: a value of another type or outside its range.
+        DetectorConfigError: a value has the wrong type or is out of range.
     """
 
     window_us: int = 50_000
@@ -78,7 +82,7 @@ class PlaneFitConfig:
     snr_floor: float = 5.0
 
     def __post_init__(self) -> None:
-        """Check every value, and bring it to its type."""
+        """Check every value and convert it to its type."""
         check_ranges(self, _RANGES, DetectorConfigError)
         check_whole_hops(self.hop_us, window_us=self.window_us)
 
@@ -98,17 +102,17 @@ _RANGES: dict[str, Range] = {
 
 
 def common_velocity(slopes: F64) -> tuple[tuple[float, float], float]:
-    """The velocity that fits most edges: least squares, reweighted for outliers.
+    """Return the velocity that fits most edges, by least squares reweighted for outliers.
 
-    For the unit normal n of an edge and its speed s across itself, n·v = s. Residuals are taken
-    relative to the speed: a slope's error grows with its time.
+    For the unit normal n of an edge and its speed s along n, n·v = s. Residuals are speeds, because
+    the error of a slope grows with its time.
 
     Args:
-        slopes: (n, 2), (a, b) of each fit, one at least [s/px].
+        slopes: (a, b) of each fit, (n, 2) with n ≥ 1 [s/px].
 
     Returns:
-        v [px/s], and |v| over its standard error along v. Where all edges have one direction, v
-        is the slowest that fits: straight across them.
+        v [px/s], and |v| over its standard error along v. If all edges have one direction, v is the
+        slowest velocity that fits, perpendicular to them.
     """
     vx, vy, ratio = _reweighted(slopes)
     return (vx, vy), ratio
@@ -116,7 +120,7 @@ def common_velocity(slopes: F64) -> tuple[tuple[float, float], float]:
 
 @compiled
 def _reweighted(slopes: Any) -> tuple[float, float, float]:
-    """Velocity (x, y) [px/s] and |v| over its standard error; see `common_velocity`."""
+    """Return v_x, v_y [px/s] and |v| over its standard error; see `common_velocity`."""
     steepness = np.hypot(slopes[:, 0], slopes[:, 1])
     nx, ny, speeds = slopes[:, 0] / steepness, slopes[:, 1] / steepness, 1.0 / steepness
     weights = np.ones_like(speeds)
@@ -142,31 +146,24 @@ def _reweighted(slopes: Any) -> tuple[float, float, float]:
 class PlaneFit(WindowedDetector):
     """Local plane fits as a `Detector`: the common velocity of a window's edges at every hop.
 
-    Its response is the velocity [px/s]; hs and vs are its shares of `limit_px_s`. It attends
-    nowhere: its view centre is the image's.
+    Its response is the image velocity [px/s]; hs and vs are its components relative to
+    `limit_px_s`. It has no attention: its view centre is the image centre.
     """
 
     def __init__(
         self, config: PlaneFitConfig | None = None, *, width: int = 346, height: int = 260
     ) -> None:
-        """Start at time 0 with an empty memory.
+        """Start at time 0 without events.
 
         Args:
-            config: parameters; the defaults where None.
+            config: parameters; None: the defaults.
             width: sensor columns [px].
             height: sensor rows [px].
         """
         self.config = c = config or PlaneFitConfig()
         super().__init__(c.hop_us, width=width, height=height)
-        self._surface = SurfaceSlopes(
-            width=width,
-            height=height,
-            radius_px=c.radius_px,
-            span_us=c.span_us,
-            burst_us=c.burst_us,
-            least_neighbours=c.least_neighbours,
-            tolerance_px=c.tolerance_px,
-        )
+        limits = FitLimits(c.radius_px, c.span_us, c.burst_us, c.least_neighbours, c.tolerance_px)
+        self._surface = SurfaceSlopes(limits, width=width, height=height)
         hops = c.window_us // c.hop_us
         self._window = deque([np.empty((0, 2), np.float64)] * hops, maxlen=hops)
 
@@ -179,14 +176,11 @@ class PlaneFit(WindowedDetector):
         velocity, ratio = (0.0, 0.0), 0.0
         if len(slopes) >= c.least_fits:
             velocity, ratio = common_velocity(slopes)
-        hs, vs = (within_one(v / c.limit_px_s) for v in velocity)
-        return MotionEstimate(
-            t_us=end_us,
-            hs=hs,
-            vs=vs,
-            direction=winner_take_all(hs, vs, snr=(ratio, ratio), snr_floor=c.snr_floor),
-            strength=max(abs(hs), abs(vs)),
-            response=velocity,
-            view_centre_px=(self._width / 2, self._height / 2),
-            roi_px=None,
+        return velocity_estimate(
+            end_us,
+            velocity,
+            limit_px_s=c.limit_px_s,
+            ratio=ratio,
+            ratio_floor=c.snr_floor,
+            image_centre_px=(self._width / 2, self._height / 2),
         )

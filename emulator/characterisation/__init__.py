@@ -1,8 +1,8 @@
-"""The emulator on the test bench: the experiments with which real event cameras are characterised.
+"""Characterisation: the experiments that measure real event cameras, run on the emulator.
 
-Each experiment is a file; each uses nothing of the emulator but what any user can, and looks at
-causes only where it says so. `characterise` runs them all; `fit_static` and `fit_ramps` go the
-other way, from a recording to the sensor's parameters.
+Each experiment is one file in `experiments/`. It uses only the public interface of the emulator;
+where it looks at the causes of events, it says so. `characterise` runs all experiments.
+`fit_static` and `fit_ramps` estimate the parameters of a sensor from a recording.
 """
 
 from emulator.characterisation.datasheet import EXPERIMENTS, Datasheet, characterise

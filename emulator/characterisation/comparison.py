@@ -1,4 +1,4 @@
-"""Whether a published figure is of the sensor that was measured."""
+"""Marks published figures that belong to another sensor than the one measured."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _CHIPS: dict[PresetName, str] = {"davis240": "DAVIS240", "dvs128": DVS128}
 
 
 def chip_of(config: SensorConfig) -> str | None:
-    """Name of the chip that a configuration is, None for one that nobody has built.
+    """Return the name of the real chip that a configuration describes; None if there is none.
 
-    The default sensor counts as the DAVIS346 in any size, as its pixels do not change with it.
+    The default sensor is the DAVIS346 whatever its size, since its pixels do not depend on it.
     """
     for name, chip in _CHIPS.items():
         if config == preset(name):
@@ -25,21 +25,21 @@ def chip_of(config: SensorConfig) -> str | None:
     return DAVIS346 if config == default else None
 
 
-def compared(section: Section, config: SensorConfig) -> Section:
-    """A section that says of each published figure if it is of another sensor than this one.
+def mark_other_sensors(section: Section, config: SensorConfig) -> Section:
+    """Mark each published figure of a section that belongs to another sensor than `config`.
 
-    The figures that stand beside the default sensor stay as they are: those sources name their
-    sensors, and what the defaults were set from.
+    The section of the default sensor stays as it is: its sources name their sensors, and say which
+    defaults were set from them.
     """
     chip = chip_of(config)
     if chip == DAVIS346:
         return section
-    return replace(section, quantities=[_compared(x, chip) for x in section.quantities])
+    return replace(section, quantities=[_marked(x, chip) for x in section.quantities])
 
 
-def _compared(quantity: Quantity, chip: str | None) -> Quantity:
+def _marked(quantity: Quantity, chip: str | None) -> Quantity:
     published = quantity.published
     if published is None or (chip is not None and chip in published.source):
         return quantity
-    source = f"{published.source.removesuffix(sources.SET)}; {sources.ANOTHER}"
+    source = f"{published.source.removesuffix(sources.SETS_DEFAULT)}; {sources.OTHER_SENSOR}"
     return replace(quantity, published=Published(published.value, source, another_sensor=True))

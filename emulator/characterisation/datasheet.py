@@ -1,4 +1,4 @@
-"""All experiments on one sensor: its data sheet."""
+"""The data sheet of a sensor: the results of all experiments."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import wraps
 
 from emulator.arguments import check_config, check_seed
-from emulator.characterisation.comparison import DVS128, chip_of, compared
+from emulator.characterisation.comparison import DVS128, chip_of, mark_other_sensors
 from emulator.characterisation.experiments import (
     arbiter,
     background,
@@ -23,17 +23,17 @@ from emulator.characterisation.experiments import (
 from emulator.characterisation.section import Section
 from emulator.config import SensorConfig
 
-FRAMES = "photon_transfer"
-"""The experiment that looks at frames."""
+FRAME_EXPERIMENT = "photon_transfer"
+"""The experiment that needs APS frames."""
 
 
-def _of_any_sensor(measure: Callable[..., Section]) -> Callable[..., Section]:
-    """An experiment that refuses what is no sensor or seed, and says whose figures it compares."""
+def _checked(measure: Callable[..., Section]) -> Callable[..., Section]:
+    """Add checks of sensor and seed to an experiment, and mark figures of other sensors."""
 
     @wraps(measure)
     def run(config: SensorConfig, *, seed: int) -> Section:
         check_config(config)
-        return compared(measure(config, seed=check_seed(seed)), config)
+        return mark_other_sensors(measure(config, seed=check_seed(seed)), config)
 
     return run
 
@@ -51,18 +51,18 @@ _MEASURES: Mapping[str, Callable[..., Section]] = {
     "photon_transfer": photon_transfer.measure,
 }
 
-EXPERIMENTS = {name: _of_any_sensor(measure) for name, measure in _MEASURES.items()}
-"""Every experiment by name, in the order of the data sheet; each takes a sensor and a seed."""
+EXPERIMENTS = {name: _checked(measure) for name, measure in _MEASURES.items()}
+"""All experiments by name, in the order of the data sheet. Call each with a sensor and a seed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Datasheet:
-    """What the experiments found out about one sensor.
+    """Results of the experiments on one sensor.
 
     Attributes:
-        config: the sensor.
-        seed: of everything random.
-        sections: what each experiment found, by its name in `EXPERIMENTS`.
+        config: configuration of the sensor.
+        seed: random seed.
+        sections: result of each experiment, by its name in `EXPERIMENTS`.
     """
 
     config: SensorConfig
@@ -80,22 +80,23 @@ def characterise(
     """Run every experiment on a sensor.
 
     Args:
-        config: the sensor, whichever; experiments replace its size.
-        seed: of everything random; the same gives the same figures.
-        frames: whether the chip has frames; where not, their experiment is left out. None: yes,
-            unless it is the DVS128, as `preset` gives it.
-        progress: is told how many experiments are done, and how many there are.
+        config: configuration of any sensor; experiments replace its size.
+        seed: random seed; the same seed gives the same figures.
+        frames: whether the chip has APS frames. If not, their experiment is left out. None: it has
+            them unless it is the DVS128, as `preset` returns it.
+        progress: called with the number of experiments done and the number of all.
 
     Returns:
-        The data sheet; `sheet.sections["leak"].figures["leak without light"].measured` is a
-        figure, in the unit that stands beside it.
+        The data sheet. For example, `sheet.sections["leak"].figures["leak without light"].measured`
+        is one measured figure; its unit is `.unit`.
 
     Raises:
-        SensorConfigError: the configuration is none, or the seed is negative or no integer.
+        SensorConfigError: `config` is not a sensor configuration, or the seed is not a whole number
+            from 0.
     """
     if frames is None:
         frames = chip_of(check_config(config)) != DVS128
-    chosen = {name: run for name, run in EXPERIMENTS.items() if frames or name != FRAMES}
+    chosen = {name: run for name, run in EXPERIMENTS.items() if frames or name != FRAME_EXPERIMENT}
     sections = {}
     for done, (name, measure) in enumerate(chosen.items(), start=1):
         sections[name] = measure(config, seed=seed)

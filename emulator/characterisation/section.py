@@ -1,4 +1,4 @@
-"""What an experiment hands over: figures, curves, and how they were measured."""
+"""The result of an experiment: its figures, its curves and its method."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Published:
     """A figure from the literature.
 
     Attributes:
-        value: in the unit of the quantity that it stands beside.
-        source: who measured it, on what, under which conditions.
-        another_sensor: whether it is of another sensor than the one that was measured.
+        value: published value, in the unit of its `Quantity`.
+        source: who measured it, on which sensor, and under which conditions.
+        another_sensor: True if it belongs to another sensor than the one measured.
     """
 
     value: float
@@ -29,14 +29,14 @@ class Published:
 
 @dataclass(frozen=True)
 class Quantity:
-    """One line of the data sheet.
+    """One row of the data sheet.
 
     Attributes:
-        name: what was measured, and under which light.
-        unit: its unit, empty for a pure number.
-        measured: what the experiment gave; None where it could not be measured.
-        published: the figure to compare with, None where we know none.
-        note: why it could not be measured, or what to know when reading it.
+        name: quantity, and the illuminance at which it was measured.
+        unit: unit; empty for a pure number.
+        measured: measured value; None if the experiment could not measure it.
+        published: published figure to compare with; None if we know of none.
+        note: remark for the reader, such as why a value is missing.
     """
 
     name: str
@@ -47,14 +47,14 @@ class Quantity:
 
     @property
     def difference(self) -> float | None:
-        """Measured over published, less one; None where either is missing or published is 0."""
+        """Measured over published, minus 1; None if either is missing or published is 0."""
         if self.measured is None or self.published is None or self.published.value == 0.0:
             return None
         return self.measured / self.published.value - 1.0
 
 
 class Style(StrEnum):
-    """How a series is drawn."""
+    """Style of a series in a plot."""
 
     POINTS = "points"
     LINE = "line"
@@ -65,18 +65,26 @@ class Style(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One curve: x and y are (n,) float64; NaN leaves a gap. Series of a `tint` share a colour."""
+    """One curve of a plot.
+
+    Attributes:
+        label: name in the legend; empty for none.
+        x: (n,) float64 abscissae.
+        y: (n,) float64 ordinates; NaN leaves a gap.
+        style: how the curve is drawn.
+        colour_index: series with the same index share a colour; None: its place in the plot.
+    """
 
     label: str
     x: Values
     y: Values
     style: Style = Style.POINTS
-    tint: int | None = None
+    colour_index: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Plot:
-    """One figure, still undrawn."""
+    """Data and labels of one plot."""
 
     title: str
     x_label: str
@@ -91,10 +99,10 @@ class Section:
     """One experiment of the data sheet.
 
     Attributes:
-        title: its heading.
+        title: heading.
         method: stimulus, definition and conditions, in a few sentences.
-        quantities: its lines in the table.
-        plots: its figures.
+        quantities: rows of the table.
+        plots: plots below the table.
     """
 
     title: str
@@ -104,8 +112,11 @@ class Section:
 
     @property
     def figures(self) -> dict[str, Quantity]:
-        """The lines of the table by name; of those named "the same" the last."""
-        return {quantity.name: quantity for quantity in self.quantities}
+        """Rows of the table by name; the first of those with the same name."""
+        found: dict[str, Quantity] = {}
+        for quantity in self.quantities:
+            found.setdefault(quantity.name, quantity)
+        return found
 
 
 def series(
@@ -113,7 +124,7 @@ def series(
     x: npt.ArrayLike,
     y: npt.ArrayLike,
     style: Style = Style.POINTS,
-    tint: int | None = None,
+    colour_index: int | None = None,
 ) -> Series:
-    """Series from anything that becomes two arrays of numbers; NaN is a gap."""
-    return Series(label, np.asarray(x, np.float64), np.asarray(y, np.float64), style, tint)
+    """Make a series from anything that NumPy turns into two arrays of numbers; NaN is a gap."""
+    return Series(label, np.asarray(x, np.float64), np.asarray(y, np.float64), style, colour_index)

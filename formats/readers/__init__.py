@@ -1,4 +1,8 @@
-"""One reader a format: `read(path, options)` gives what the file says and an iterator of items."""
+"""Parsers, one module a format.
+
+Each has a function `read(path, options)` that returns the file's header and an iterator of its
+events and frames.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from formats.columns import Options, Reading
+from formats.columns import ParsedFile, ReadOptions
 
-Reader = Callable[[Path, Options], Reading]
+Reader = Callable[[Path, ReadOptions], ParsedFile]
 
 _MODULES = {
     "aedat4": "aedat4",
@@ -28,6 +32,10 @@ _MODULES = {
 
 
 def reader_of(name: str) -> Reader:
-    """The reader of a format, one of `magic.FORMATS`; its library is imported only now."""
+    """Return the read function of a format; the library that it needs is imported here.
+
+    Args:
+        name: name of the format, one of `formats.FORMATS`.
+    """
     module = import_module(f"formats.readers.{_MODULES[name]}")
     return cast(Reader, getattr(module, f"read_{name}", None) or module.read)

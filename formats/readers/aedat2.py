@@ -1,7 +1,7 @@
-"""AEDAT 2, of jAER: an address and a time of 32 bits an event, big-endian.
+"""AEDAT 2, written by jAER: a 32-bit address and a 32-bit timestamp per event, big-endian.
 
-The address is the chip's. jAER itself is what its bits are taken from: it counts x from the
-right of the address and y from the bottom of the picture, so both are turned round here.
+The meaning of the address bits depends on the chip and is taken from jAER's source. jAER counts x
+from the right and y from the bottom of the image; this reader flips both.
 """
 
 from __future__ import annotations
@@ -13,7 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from formats.columns import Array, Columns, Head, Item, Options, Reading, Size
+from formats.columns import (
+    Array,
+    EventColumns,
+    FileHeader,
+    ParsedFile,
+    ParsedItem,
+    ReadOptions,
+    Size,
+)
 from formats.errors import FormatError
 from formats.readers.aedat_header import read_header
 
@@ -23,17 +31,17 @@ _BLOCK = 1 << 17
 
 @dataclass(frozen=True)
 class Chip:
-    """Where an address holds what.
+    """Layout of the address bits of one chip.
 
     Attributes:
         size: columns and rows [px].
         x_shift: lowest bit of x.
-        x_bits: bits of x.
+        x_bits: number of bits of x.
         y_shift: lowest bit of y.
-        y_bits: bits of y.
-        p_bit: the bit of polarity.
+        y_bits: number of bits of y.
+        p_bit: bit of the polarity.
         on: value of that bit for ON.
-        other: bits that are all zero in an event of contrast.
+        other: mask of bits that are all zero in a contrast event.
     """
 
     size: Size
@@ -54,14 +62,14 @@ _CHIPS = {
     r"Davis208": Chip((208, 192)),
     r"Davis640": Chip((640, 480)),
 }
-"""Chips by what jAER calls their class."""
+"""Chips by a regular expression for the name of their class in jAER."""
 
 
-def read(path: Path, options: Options) -> Reading:
-    """Events of contrast; samples of frames and of motion sensors are left out.
+def read(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read contrast events; frame samples and inertial (IMU) samples are skipped.
 
     Raises:
-        FormatError: the header names no chip that is known.
+        FormatError: the chip is unknown.
     """
     header, start = read_header(path)
     named = re.search(r"AEChip:\s*(\S+)", header)
@@ -72,44 +80,54 @@ def read(path: Path, options: Options) -> Reading:
     if chip is None:
         sizes = ", ".join(f"{w}x{h}" for w, h in sorted({c.size for c in _CHIPS.values()}))
         raise FormatError(
-            f"{path} does not say which chip its addresses are of ({name or 'no AEChip line'}); "
-            f"name its sensor with --size, one of {sizes}"
+            f"{path} does not state a known chip ({name or 'no AEChip line'}). State the size of "
+            f"its sensor with --size. Allowed is one of {sizes}."
         )
-    says = {"chip": name} if name else {}
+    facts = {"chip": name} if name else {}
     created = re.search(r"created (.+)", header)
-    says |= {"created": created[1].strip()} if created else {}
-    return Head(chip.size, says), _items(path, start, chip)
+    facts |= {"created": created[1].strip()} if created else {}
+    return FileHeader(chip.size, facts), _items(path, start, chip)
 
 
-def _items(path: Path, start: int, chip: Chip) -> Iterator[Item]:
+def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
     wraps, last = 0, 0
     with path.open("rb") as file:
         file.seek(start)
         while block := file.read(_BLOCK * _RECORD.itemsize):
-            whole = len(block) // _RECORD.itemsize
-            records = np.frombuffer(block, _RECORD, count=whole)
+            count = len(block) // _RECORD.itemsize
+            records = np.frombuffer(block, _RECORD, count=count)
             records = records[(records["address"] & chip.other) == 0]
             t, wraps, last = _unwrap(records["t"].astype(np.int64), wraps, last)
             yield _columns(records["address"].astype(np.int64), t, chip)
             if len(block) % _RECORD.itemsize:
                 at = path.stat().st_size
                 raise FormatError(
-                    f"{path} ends within an event of 8 bytes, at byte {at}; it was cut; what "
-                    f"comes before was read; keep that with: head -c {at - (at - start) % 8}"
+                    f"{path} ends within an 8-byte event, at byte {at}. It was truncated; the "
+                    "events before that were read. Remove the rest with: head -c "
+                    f"{at - (at - start) % 8}"
                 )
 
 
 def _unwrap(t: Array, wraps: int, last: int) -> tuple[Array, int, int]:
-    """Times of 32 bits as times that go on, where they jump back by more than half of all."""
+    """Extend 32-bit timestamps: a step back by more than half their range is a wrap-around.
+
+    Args:
+        t: timestamps.
+        wraps: number of wrap-arounds before them.
+        last: timestamp before them.
+
+    Returns:
+        Extended timestamps, wrap-arounds so far, and the last timestamp as stored.
+    """
     if not t.size:
         return t, wraps, last
-    steps = np.diff(t, prepend=last) < -(1 << 31)
-    turns = wraps + np.cumsum(steps)
-    return t + (turns << 32), int(turns[-1]), int(t[-1])
+    wrapped = np.diff(t, prepend=last) < -(1 << 31)
+    total = wraps + np.cumsum(wrapped)
+    return t + (total << 32), int(total[-1]), int(t[-1])
 
 
-def _columns(address: Array, t: Array, chip: Chip) -> Columns:
+def _columns(address: Array, t: Array, chip: Chip) -> EventColumns:
     x = (address >> chip.x_shift) & ((1 << chip.x_bits) - 1)
     y = (address >> chip.y_shift) & ((1 << chip.y_bits) - 1)
     on = ((address >> chip.p_bit) & 1) == chip.on
-    return Columns(t, chip.size[0] - 1 - x, chip.size[1] - 1 - y, on)
+    return EventColumns(t, chip.size[0] - 1 - x, chip.size[1] - 1 - y, on)

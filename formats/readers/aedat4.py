@@ -1,4 +1,4 @@
-"""AEDAT 4, of DV and dv-processing: events and frames in packets, decoded by faery."""
+"""AEDAT 4, written by DV and dv-processing: packets of events and frames, decoded by faery."""
 
 from __future__ import annotations
 
@@ -10,20 +10,27 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from formats.columns import Columns, Head, Item, Options, RawFrame, Reading
+from formats.columns import (
+    EventColumns,
+    FileHeader,
+    ParsedFile,
+    ParsedFrame,
+    ParsedItem,
+    ReadOptions,
+)
 from formats.errors import FormatError, MissingLibraryError
 
 _MAGIC_BYTES = 14
 _PACKET_HEAD = struct.Struct("<iI")
 _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
-"""Weights of red, green and blue (ITU-R BT.601)."""
+"""Weights of red, green and blue in luma (ITU-R BT.601)."""
 
 
-def read(path: Path, options: Options) -> Reading:
-    """The first stream of events and the first of frames.
+def read(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read the first event stream and the first frame stream.
 
     Raises:
-        FormatError: the header is broken, or there is neither events nor frames.
+        FormatError: the header is damaged, or there are neither events nor frames.
         MissingLibraryError: faery is not installed.
     """
     del options
@@ -34,15 +41,15 @@ def read(path: Path, options: Options) -> Reading:
     events, frames = streams.get("events", []), streams.get("frame", [])
     if not events and not frames:
         raise FormatError(
-            f"{path} holds neither events nor frames, but {', '.join(streams) or 'nothing'}; give "
-            "the recording of an event camera"
+            f"{path} contains neither events nor frames, but {', '.join(streams) or 'nothing'}. "
+            "Give a recording of an event camera."
         )
-    says = {"streams": ", ".join(f"{track.data_type} {track.id}" for track in decoder.tracks())}
+    facts = {"streams": ", ".join(f"{track.data_type} {track.id}" for track in decoder.tracks())}
     if len(events) > 1:
-        says["streams"] += f"; events {events[0].id} is read"
+        facts["streams"] += f"; events {events[0].id} is read"
     wanted = {track.id for track in events[:1] + frames[:1]}
     size = (events or frames)[0].dimensions
-    return Head(size, says, has_frames=bool(frames)), _items(path, decoder, wanted)
+    return FileHeader(size, facts, has_frames=bool(frames)), _items(path, decoder, wanted)
 
 
 def _open(path: Path) -> Any:
@@ -54,18 +61,19 @@ def _open(path: Path) -> Any:
         return aedat.Decoder(path)
     except RuntimeError as error:
         table = _table_of(path)
-        if not 0 < table < path.stat().st_size or _whole_packets(path)[1] is not None:
+        if not 0 < table < path.stat().st_size or _complete_packets(path)[1] is not None:
             raise
         raise FormatError(
-            f"{path} is cut or damaged in the table of its packets, from byte {table} on; all that "
-            f"comes before is whole; keep that with: head -c {table}"
+            f"{path} is truncated or damaged in its packet table, which starts at byte {table}. "
+            "All packets before it are complete. Remove the table with: head -c "
+            f"{table}"
         ) from error
 
 
-def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[Item]:
-    whole, broken_at = _whole_packets(path)
+def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[ParsedItem]:
+    complete, damaged_at = _complete_packets(path)
     known = {track.id for track in decoder.tracks()}
-    left = sum(stream in known for stream in whole) if broken_at is not None else None
+    left = sum(stream in known for stream in complete) if damaged_at is not None else None
     shift = 0
     while left is None or left > 0:
         try:
@@ -76,14 +84,14 @@ def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[Item]:
         if track.id not in wanted:
             continue
         if track.data_type == "events":
-            yield Columns(packet["t"], packet["x"], packet["y"], packet["on"])
+            yield EventColumns(packet["t"], packet["x"], packet["y"], packet["on"])
         else:
             image, shift = _ten_bits(packet.pixels, packet.format, shift)
-            yield RawFrame(*_exposure(packet), image)
-    if broken_at is not None:
+            yield ParsedFrame(*_exposure(packet), image)
+    if damaged_at is not None:
         raise FormatError(
-            f"{path} is cut or damaged in the packet at byte {broken_at}; what comes before was "
-            "read; copy the file again from where it was recorded"
+            f"{path} is truncated or damaged in the packet at byte {damaged_at}. The packets "
+            "before it were read. Copy the file again from where it was recorded."
         )
 
 
@@ -94,7 +102,16 @@ def _exposure(frame: Any) -> tuple[int, int]:
 
 
 def _ten_bits(pixels: Any, kind: str, shift: int) -> tuple[npt.NDArray[np.uint16], int]:
-    """Pixels as DN of 10 bits, and the shift of those of 16 bits seen so far."""
+    """Convert an image to 10-bit grey levels [DN].
+
+    Args:
+        pixels: image of 8 or 16 bits, grey or colour.
+        kind: faery's name of the pixel format.
+        shift: right shift of earlier 16-bit images.
+
+    Returns:
+        The image, and the right shift for 16-bit images from now on: 6 once one exceeds 10 bits.
+    """
     if pixels.ndim == 3:
         pixels = np.rint(pixels[..., :3].astype(np.float32) @ _LUMA).astype(pixels.dtype)
     if kind != "I;16" or pixels.dtype == np.uint8:
@@ -104,8 +121,8 @@ def _ten_bits(pixels: Any, kind: str, shift: int) -> tuple[npt.NDArray[np.uint16
     return pixels.astype(np.uint16) >> shift, shift
 
 
-def _whole_packets(path: Path) -> tuple[list[int], int | None]:
-    """Streams of the packets that are whole, and where the first that is not begins."""
+def _complete_packets(path: Path) -> tuple[list[int], int | None]:
+    """Return the stream of each complete packet, and the position of the first incomplete one."""
     length = path.stat().st_size
     streams: list[int] = []
     with path.open("rb") as file:
@@ -133,7 +150,10 @@ def _table_of(path: Path) -> int:
 
 
 def _table_position(header: bytes) -> int:
-    """Where the table of packets is, the second field of the header's flatbuffer; -1: nowhere."""
+    """Return the position of the packet table; -1 if there is none.
+
+    It is the second field of the header's flatbuffer.
+    """
     try:
         (root,) = struct.unpack_from("<I", header, 0)
         (back,) = struct.unpack_from("<i", header, root)

@@ -1,19 +1,23 @@
-"""The header of AEDAT 2 and 3.1: lines that begin with a #."""
+"""The header of AEDAT 2 and 3.1 files: lines that begin with #."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 _LINE_MAX = 1 << 20
-"""Longest line that is believed; jAER writes its settings into one (assumed) [bytes]."""
+"""Longest plausible line (assumed; jAER writes all its settings into one) [bytes]."""
 
 
 def read_header(path: Path, *, last: bytes | None = None) -> tuple[str, int]:
-    """The header's text, and where what comes after it begins [bytes].
+    """Read the header.
 
     Args:
-        path: of the file.
-        last: how the header's last line begins; None: it ends where a line has no #.
+        path: path of the file.
+        last: beginning of the last line of the header; None: it ends before the first line without
+            a #.
+
+    Returns:
+        The text of the header, and the position of the data after it [bytes].
     """
     lines, offset = [], 0
     with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""NumPy files: a structured array, or one array a column; read in blocks, never whole."""
+"""NumPy files: a structured array, or one array per column; read in blocks of rows."""
 
 from __future__ import annotations
 
@@ -10,34 +10,43 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from formats.columns import Array, Columns, Head, Item, Options, Reading, Size, microseconds
+from formats.columns import (
+    Array,
+    EventColumns,
+    FileHeader,
+    ParsedFile,
+    ParsedItem,
+    ReadOptions,
+    Size,
+    to_microseconds,
+)
 from formats.errors import FormatError
 
-NAMES = {
+COLUMN_ALIASES = {
     "t": ("t", "ts", "time", "times", "timestamp", "timestamps", "t_us", "time_us"),
     "x": ("x", "xs", "x_pos"),
     "y": ("y", "ys", "y_pos"),
     "p": ("p", "ps", "pol", "polarity", "polarities", "on"),
 }
-"""What the columns are called, ours first."""
+"""Accepted names of each column; the first is the one that flybench writes."""
 
 _BLOCK = 1 << 17
 _SIZE_NAMES = ("width", "height")
 
 
-class ArrayStream:
-    """An array in a `.npy` stream, read a block of rows at a time."""
+class NpyStream:
+    """An array in `.npy` format that is read one block of rows at a time."""
 
     def __init__(self, file: BinaryIO, path: Path, stored: int) -> None:
         """Read the header.
 
         Args:
-            file: at its beginning.
-            path: the file, for messages.
-            stored: bytes in the stream.
+            file: stream at the beginning of the array.
+            path: path of the file, for error messages.
+            stored: length of the stream [bytes].
 
         Raises:
-            FormatError: it promises more than there is, or Python objects.
+            FormatError: the array contains Python objects or is longer than the stream.
         """
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0
@@ -46,35 +55,35 @@ class ArrayStream:
         self.shape, fortran, self.dtype = read(file)
         if self.dtype.hasobject or (fortran and len(self.shape) > 1):
             raise FormatError(
-                f"{path} holds Python objects or columns in Fortran's order; save it again as "
-                "plain arrays, row by row"
+                f"{path} contains Python objects, or an array in Fortran order. Allowed are arrays "
+                "of numbers in C order. Save it again with numpy.ascontiguousarray."
             )
         self.row_bytes = self.dtype.itemsize * int(np.prod(self.shape[1:], dtype=np.int64))
-        promised = self.row_bytes * (self.shape[0] if self.shape else 1)
-        if promised > stored or any(side < 0 for side in self.shape):
+        needed = self.row_bytes * (self.shape[0] if self.shape else 1)
+        if needed > stored or any(side < 0 for side in self.shape):
             raise FormatError(
-                f"{path} promises {promised} bytes of events and holds {stored}; it was cut; copy "
-                "it again from where it was made"
+                f"{path} should contain {needed} bytes of events and contains {stored}. It was "
+                "truncated. Copy it again from where it was made."
             )
         self._file = file
         self._path = path
         self._left = self.shape[0] if self.shape else 1
 
     def block(self) -> Array:
-        """The next rows, of which there are 0 at the end."""
+        """Return the next rows; 0 rows at the end."""
         rows = min(_BLOCK, self._left)
         self._left -= rows
         data = self._file.read(rows * self.row_bytes)
         if len(data) < rows * self.row_bytes:
-            raise FormatError(f"{self._path} ends within its events; copy it again")
+            raise FormatError(f"{self._path} ends within its events. Copy it again.")
         return np.frombuffer(data, self.dtype).reshape(rows, *self.shape[1:])
 
 
-def columns_of(names: Mapping[str, Any] | tuple[str, ...]) -> dict[str, str] | None:
-    """Which of the names is t, x, y and p; None where one of them is missing."""
+def match_columns(names: Mapping[str, Any] | tuple[str, ...]) -> dict[str, str] | None:
+    """Return the name of each of the columns t, x, y and p; None if one of them is missing."""
     lower = {name.lower(): name for name in names}
     found = {}
-    for column, aliases in NAMES.items():
+    for column, aliases in COLUMN_ALIASES.items():
         alias = next((alias for alias in aliases if alias in lower), None)
         if alias is None:
             return None
@@ -82,35 +91,37 @@ def columns_of(names: Mapping[str, Any] | tuple[str, ...]) -> dict[str, str] | N
     return found
 
 
-def read_npy(path: Path, options: Options) -> Reading:
-    """A structured array of events, or one of four columns t x y p."""
+def read_npy(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read a structured array of events, or an array with the four columns t, x, y, p."""
     file = path.open("rb")
-    stream = ArrayStream(file, path, path.stat().st_size)
-    return Head(None, _shown(stream)), _from_one(path, stream, options)
+    stream = NpyStream(file, path, path.stat().st_size)
+    return FileHeader(None, _array_facts(stream)), _from_one(path, stream, options)
 
 
-def read_npz(path: Path, options: Options) -> Reading:
-    """An archive of columns t, x, y, p, or of one structured array; `width` and `height` if so."""
+def read_npz(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read an archive of arrays t, x, y and p, or of one structured array.
+
+    Arrays `width` and `height`, if present, are the size of the sensor.
+    """
     archive = zipfile.ZipFile(path)
     members = {i.filename.removesuffix(".npy"): i for i in archive.infolist()}
     size = _size_in(archive, members, path)
-    wanted = columns_of(members)
+    wanted = match_columns(members)
     if wanted is not None:
-        says = {"arrays": " ".join(wanted.values())}
-        return Head(size, says), _from_columns(path, archive, members, wanted, options)
+        facts = {"arrays": " ".join(wanted.values())}
+        return FileHeader(size, facts), _from_columns(path, archive, members, wanted, options)
     for info in members.values():
-        stream = ArrayStream(_member(archive, info), path, info.file_size)
-        if stream.dtype.names and columns_of(stream.dtype.names) is not None:
-            return Head(size, {"array": info.filename} | _shown(stream)), _from_one(
-                path, stream, options
-            )
+        stream = NpyStream(_member(archive, info), path, info.file_size)
+        if stream.dtype.names and match_columns(stream.dtype.names) is not None:
+            facts = {"array": info.filename} | _array_facts(stream)
+            return FileHeader(size, facts), _from_one(path, stream, options)
     raise FormatError(
-        f"{path} holds the arrays {', '.join(members) or 'none'}; allowed are t, x, y and p, or "
-        "one structured array with these fields; save it so"
+        f"{path} contains the arrays {', '.join(members) or 'none'}. Allowed are arrays t, x, y "
+        "and p, or one structured array with these fields. Save it in one of these forms."
     )
 
 
-def _shown(stream: ArrayStream) -> dict[str, str]:
+def _array_facts(stream: NpyStream) -> dict[str, str]:
     names = stream.dtype.names
     return {"fields": " ".join(names) if names else f"{stream.shape} of {stream.dtype}"}
 
@@ -125,27 +136,28 @@ def _size_in(
     if any(name not in members for name in _SIZE_NAMES):
         return None
     streams = [
-        ArrayStream(_member(archive, members[n]), path, members[n].file_size) for n in _SIZE_NAMES
+        NpyStream(_member(archive, members[n]), path, members[n].file_size) for n in _SIZE_NAMES
     ]
     width, height = (int(stream.block().ravel()[0]) for stream in streams)
     return width, height
 
 
-def _from_one(path: Path, stream: ArrayStream, options: Options) -> Iterator[Item]:
-    names = columns_of(stream.dtype.names) if stream.dtype.names else None
+def _from_one(path: Path, stream: NpyStream, options: ReadOptions) -> Iterator[ParsedItem]:
+    names = match_columns(stream.dtype.names) if stream.dtype.names else None
     plain = stream.dtype.names is None and len(stream.shape) == 2 and stream.shape[1] == 4
     if names is None and not plain:
         raise FormatError(
-            f"{path} holds an array of {stream.shape} {stream.dtype}; allowed is a structured "
-            "array with the fields t, x, y and p, or columns t x y p, 4 a row; save it so"
+            f"{path} contains an array of shape {stream.shape} and dtype {stream.dtype}. Allowed "
+            "is a structured array with the fields t, x, y and p, or 4 columns t, x, y, p. Save it "
+            "in one of these forms."
         )
     while (block := stream.block()).shape[0]:
         if names is not None:
             columns = {column: block[name] for column, name in names.items()}
         else:
             columns = dict(zip("txyp", block.T, strict=True))
-        t = microseconds(columns["t"], options.time_unit, path=path)
-        yield Columns(t, columns["x"], columns["y"], columns["p"])
+        t = to_microseconds(columns["t"], options.time_unit, path=path)
+        yield EventColumns(t, columns["x"], columns["y"], columns["p"])
 
 
 def _from_columns(
@@ -153,19 +165,19 @@ def _from_columns(
     archive: zipfile.ZipFile,
     members: Mapping[str, zipfile.ZipInfo],
     wanted: Mapping[str, str],
-    options: Options,
-) -> Iterator[Item]:
+    options: ReadOptions,
+) -> Iterator[ParsedItem]:
     with ExitStack() as stack:
         streams = {}
         for column, name in wanted.items():
             file = stack.enter_context(archive.open(members[name]))
-            streams[column] = ArrayStream(file, path, members[name].file_size)  # type: ignore[arg-type]
+            streams[column] = NpyStream(file, path, members[name].file_size)  # type: ignore[arg-type]
         shapes = {stream.shape for stream in streams.values()}
         if len(shapes) > 1 or len(streams["t"].shape) != 1:
             raise FormatError(
-                f"{path} holds columns of the shapes {sorted(shapes)}; allowed is one, of one "
-                "dimension; save it again"
+                f"{path} contains columns of the shapes {sorted(shapes)}. Allowed are "
+                "one-dimensional arrays of equal length. Save it again."
             )
         while (t := streams["t"].block()).size:
             x, y, p = (streams[name].block() for name in "xyp")
-            yield Columns(microseconds(t, options.time_unit, path=path), x, y, p)
+            yield EventColumns(to_microseconds(t, options.time_unit, path=path), x, y, p)

@@ -1,4 +1,4 @@
-"""Event Stream (.es), decoded by faery; y counts upwards in it."""
+"""Event Stream (.es), decoded by faery. In the file y points up; this reader flips it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from formats.columns import Columns, Head, Item, Options, Reading
+from formats.columns import EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
 from formats.errors import FormatError, MissingLibraryError
 
 
-def read(path: Path, options: Options) -> Reading:
-    """Events of a DVS, or the changes that an ATIS saw.
+def read(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read events of a DVS, or change detections of an ATIS; its exposure events are skipped.
 
     Raises:
-        FormatError: the events are of another type.
+        FormatError: the file contains events of another type.
         MissingLibraryError: faery is not installed.
     """
     del options
@@ -27,16 +27,16 @@ def read(path: Path, options: Options) -> Reading:
     decoder = faery.file_decoder.es.Decoder(path, 0)
     if decoder.event_type not in ("dvs", "atis"):
         raise FormatError(
-            f"{path} holds {decoder.event_type} events; allowed are those of a DVS or an ATIS"
+            f"{path} contains {decoder.event_type} events. Allowed are those of a DVS or an ATIS."
         )
-    says = {"version": str(decoder.version), "events of": decoder.event_type.upper()}
-    return Head(decoder.dimensions, says), _items(decoder)
+    facts = {"version": str(decoder.version), "sensor type": decoder.event_type.upper()}
+    return FileHeader(decoder.dimensions, facts), _items(decoder)
 
 
-def _items(decoder: Any) -> Iterator[Item]:
+def _items(decoder: Any) -> Iterator[ParsedItem]:
     last_row = decoder.dimensions[1] - 1
     for events in decoder:
         if decoder.event_type == "atis":
             events = events[~events["exposure"]]
         on = events["polarity" if decoder.event_type == "atis" else "on"]
-        yield Columns(events["t"].astype(np.int64), events["x"], last_row - events["y"], on)
+        yield EventColumns(events["t"].astype(np.int64), events["x"], last_row - events["y"], on)

@@ -1,7 +1,8 @@
-"""Prophesee RAW in EVT 2.1: words of 64 bits, each with up to 32 events of a row.
+"""Prophesee RAW, EVT 2.1: 64-bit words, each with up to 32 events of one row.
 
-A decoder of our own: faery 0.7.1 knows no `% format EVT21` header. The halves of a word are the
-other way round in files of the IMX636, which say so by `endianness=legacy`.
+flybench has its own decoder because faery 0.7.1 does not accept the header `% format EVT21`. Files
+of the IMX636 store the two halves of a word in the opposite order and state this as
+`endianness=legacy`.
 """
 
 from __future__ import annotations
@@ -11,21 +12,29 @@ from pathlib import Path
 
 import numpy as np
 
-from formats.columns import Array, Columns, Head, Item, Options, Reading, Size
+from formats.columns import (
+    Array,
+    EventColumns,
+    FileHeader,
+    ParsedFile,
+    ParsedItem,
+    ReadOptions,
+    Size,
+)
 from formats.errors import FormatError
 from formats.identify import percent_header
 
 _OFF, _ON, _TIME_HIGH = 0, 1, 8
 _KINDS = (_OFF, _ON, _TIME_HIGH, 0xA, 0xE, 0xF)
-"""Kinds of words that there are, in their highest 4 bits."""
+"""Valid types of words: the highest 4 bits."""
 
 _BLOCK = 1 << 14
 _HEADER_MAX = 1 << 20
-_TIME_TURN = 1 << 28
+_TIME_PERIOD = 1 << 28
 
 
-def read(path: Path, options: Options) -> Reading:
-    """Events of contrast; triggers are left out."""
+def read(path: Path, options: ReadOptions) -> ParsedFile:
+    """Read contrast events; triggers are skipped."""
     del options
     with path.open("rb") as file:
         facts, start = percent_header(file.read(_HEADER_MAX))
@@ -35,10 +44,11 @@ def read(path: Path, options: Options) -> Reading:
         part.split("=", 1) for part in facts.get("format", "").lower().split(";") if "=" in part
     )
     swapped = form.get("endianness") == "legacy"
-    if not _sound(first, swapped) and _sound(first, not swapped):
+    if not _has_valid_types(first, swapped) and _has_valid_types(first, not swapped):
         swapped = not swapped
-    says = {"format": facts.get("format", "EVT21"), "halves": "swapped" if swapped else "in order"}
-    return Head(_size(form, facts), says), _items(path, start, swapped)
+    order = "swapped" if swapped else "in order"
+    shown = {"format": facts.get("format", "EVT21"), "halves": order}
+    return FileHeader(_size(form, facts), shown), _items(path, start, swapped)
 
 
 def _size(form: dict[str, str], facts: dict[str, str]) -> Size | None:
@@ -52,12 +62,12 @@ def _words(data: bytes) -> Array:
     return np.frombuffer(data, "<u8", count=len(data) // 8)
 
 
-def _sound(words: Array, swapped: bool) -> bool:
+def _has_valid_types(words: Array, swapped: bool) -> bool:
     kinds = (words >> np.uint64(28 if swapped else 60)) & np.uint64(0xF)
     return bool(np.isin(kinds, _KINDS).all())
 
 
-def _items(path: Path, start: int, swapped: bool) -> Iterator[Item]:
+def _items(path: Path, start: int, swapped: bool) -> Iterator[ParsedItem]:
     high = 0
     with path.open("rb") as file:
         file.seek(start)
@@ -70,19 +80,20 @@ def _items(path: Path, start: int, swapped: bool) -> Iterator[Item]:
             if len(data) % 8:
                 at = path.stat().st_size
                 raise FormatError(
-                    f"{path} ends within a word of 8 bytes, at byte {at}; it was cut; what comes "
-                    f"before was read; keep that with: head -c {at - len(data) % 8}"
+                    f"{path} ends within an 8-byte word, at byte {at}. It was truncated; the "
+                    "events before that were read. Remove the rest with: head -c "
+                    f"{at - len(data) % 8}"
                 )
 
 
-def _decode(words: Array, high: int) -> tuple[Columns, int]:
-    """Events of some words, and the high part of the time after them."""
+def _decode(words: Array, high: int) -> tuple[EventColumns, int]:
+    """Return the events in a block of words, and the high part of the time after it."""
     kinds = (words >> np.uint64(60)).astype(np.int64)
-    highs = ((words >> np.uint64(32)) & np.uint64(_TIME_TURN - 1)).astype(np.int64)
+    highs = ((words >> np.uint64(32)) & np.uint64(_TIME_PERIOD - 1)).astype(np.int64)
     marks = np.flatnonzero(kinds == _TIME_HIGH)
     times = np.concatenate([[high], highs[marks]])
-    times[1:] += high // _TIME_TURN * _TIME_TURN
-    times += _TIME_TURN * np.cumsum(np.diff(times, prepend=high) < -(_TIME_TURN // 2))
+    times[1:] += high // _TIME_PERIOD * _TIME_PERIOD
+    times += _TIME_PERIOD * np.cumsum(np.diff(times, prepend=high) < -(_TIME_PERIOD // 2))
     now = times[np.searchsorted(marks, np.arange(words.size), side="right")]
     chosen = np.flatnonzero((kinds == _OFF) | (kinds == _ON))
     word = words[chosen]
@@ -95,4 +106,4 @@ def _decode(words: Array, high: int) -> tuple[Columns, int]:
     fields = (word >> np.uint64(32)).astype(np.int64)
     t = (now[chosen] << 6) | ((fields >> 22) & 0x3F)
     x = ((fields >> 11) & 0x7FF)[at] + bit
-    return Columns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), int(times[-1])
+    return EventColumns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), int(times[-1])

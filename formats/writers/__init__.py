@@ -1,4 +1,4 @@
-"""Writing: one function for every format, one file a format."""
+"""Write event recordings: one interface for every format, one module a format."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WRITERS: dict[str, type[EventWriter]] = {
     "csv": CsvWriter,
     "npz": NpzWriter,
 }
-"""The writer of each format that can be written, by its name."""
+"""Writer of each format, by the name of the format."""
 
 ENDINGS = {
     ".aedat4": "aedat4",
@@ -34,7 +34,7 @@ ENDINGS = {
     ".csv": "csv",
     ".npz": "npz",
 }
-"""The format that a file's ending asks for."""
+"""Format of a new file, by the ending of its name."""
 
 
 def open_writer(
@@ -42,28 +42,32 @@ def open_writer(
     *,
     width: int,
     height: int,
-    format: str | None = None,  # noqa: A002  (what it is called everywhere)
+    format: str | None = None,  # noqa: A002  (the usual name of this parameter)
 ) -> EventWriter:
-    """Begin to write a recording; it is there, whole, when the `with` block has ended well.
+    """Start to write a recording.
+
+    The file appears, complete, when the `with` block ends without an error.
 
     Args:
-        path: where to; an earlier file there is replaced.
+        path: path of the file; an existing file is replaced.
         width: sensor columns [px].
         height: sensor rows [px].
-        format: one of `WRITERS`; None: what the ending asks for, one of `ENDINGS`.
+        format: name of the format, one of `WRITERS`; None: the one that `ENDINGS` has for the
+            ending of the path.
 
     Raises:
-        FormatError: no such format, or nothing can be written there.
-        MissingLibraryError: a library is missing, with the command that installs it.
+        FormatError: there is no such format, or the file cannot be written.
+        MissingLibraryError: a library is missing; the message states how to install it.
     """
     path = Path(path)
     name = format or ENDINGS.get(path.suffix.lower())
     if name is None:
         raise FormatError(
-            f"{path} ends in {path.suffix or 'nothing'}; allowed is {', '.join(ENDINGS)}; rename it"
+            f"{path} ends in {path.suffix or 'nothing'}. Allowed is one of {', '.join(ENDINGS)}. "
+            "Choose another name."
         )
     if name not in WRITERS:
-        raise FormatError(f"the format is {name!r}; allowed is one of {', '.join(WRITERS)}")
+        raise FormatError(f"The format is {name!r}. Allowed is one of {', '.join(WRITERS)}.")
     return WRITERS[name](path, width=width, height=height)
 
 
@@ -75,7 +79,19 @@ def write_events(
     height: int,
     format: str | None = None,  # noqa: A002
 ) -> None:
-    """Write all chunks, with their frames where the format takes them, as `open_writer` says."""
+    """Write chunks to a file, with their frames if the format supports frames.
+
+    Args:
+        path: path of the file; an existing file is replaced.
+        chunks: chunks of a recording, or arrays of events, in order of time.
+        width: sensor columns [px].
+        height: sensor rows [px].
+        format: name of the format; see `open_writer`.
+
+    Raises:
+        FormatError: there is no such format, or the file or the events cannot be written.
+        MissingLibraryError: a library is missing; the message states how to install it.
+    """
     with open_writer(path, width=width, height=height, format=format) as writer:
         for chunk in chunks:
             if not isinstance(chunk, Chunk):

@@ -1,7 +1,7 @@
-"""AEDAT 4: events by faery; frames by dv-processing, put into the same file by faery.
+"""AEDAT 4: events are encoded by faery, frames by dv-processing.
 
-faery encodes events fast, but cannot make a frame; dv-processing makes frames, but takes events
-one at a time. So frames go to a file beside, and where there are any, both are merged at the end.
+faery encodes events fast but cannot create frames. dv-processing creates frames but takes events
+one at a time. Frames therefore go to a second file, and faery merges both files at the end.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from emulator import ApsFrame
 from flybench.events import Events
 from formats.errors import MissingLibraryError
 from formats.writers.base import EventWriter
-from formats.writers.faery_events import for_faery
+from formats.writers.faery_events import to_faery
 
 PACKET = 10_000
-"""Events in a packet at most (as dv-processing packs them)."""
+"""Most events in a packet, as in files of dv-processing."""
 
 _PATH = "/mainloop/Recorder/outInfo/"
 _STREAMS = {"events": "EVTS", "frames": "FRME"}
@@ -27,7 +27,7 @@ _SOURCE = "flybench"
 
 
 class Aedat4Writer(EventWriter):
-    """Appends events, and APS frames with their 10 bits in pixels of 16."""
+    """Writes events, and APS frames with 10-bit grey levels in 16-bit pixels."""
 
     takes_frames: ClassVar[bool] = True
 
@@ -35,9 +35,9 @@ class Aedat4Writer(EventWriter):
         self._encoder: Any = None
         self._frame_writer: Any = None
         self._dv: Any = None
-        self._beside = [
+        self._frames_path, self._merged_path = (
             work.with_name(f"{work.stem}.{name}{work.suffix}") for name in ("frames", "both")
-        ]
+        )
         self._encoder = self._begin(work, ["events"])
 
     def _begin(self, path: Path, names: list[str]) -> Any:
@@ -54,7 +54,7 @@ class Aedat4Writer(EventWriter):
 
     def _write(self, events: Events) -> None:
         for start in range(0, events.size, PACKET):
-            self._encoder.write(0, for_faery(events[start : start + PACKET]))
+            self._encoder.write(0, to_faery(events[start : start + PACKET]))
 
     def _write_frame(self, frame: ApsFrame) -> None:
         if self._frame_writer is None:
@@ -65,7 +65,7 @@ class Aedat4Writer(EventWriter):
             self._dv = dv_processing
             config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
             config.addFrameStream((self.width, self.height))
-            self._frame_writer = dv_processing.io.MonoCameraWriter(str(self._beside[0]), config)
+            self._frame_writer = dv_processing.io.MonoCameraWriter(str(self._frames_path), config)
         source = self._dv.FrameSource.SENSOR
         exposure_us = frame.end_us - frame.start_us
         self._frame_writer.writeFrame(
@@ -77,22 +77,21 @@ class Aedat4Writer(EventWriter):
         self._encoder = None
         if self._frame_writer is None:
             return
-        self._frame_writer = None  # it writes its last at the end of its life
-        frames, both = self._beside
-        encoder = self._begin(both, ["events", "frames"])
+        self._frame_writer = None  # its destructor writes the last frames
+        encoder = self._begin(self._merged_path, ["events", "frames"])
         try:
-            for stream, packet in _merged(self._work, frames):
+            for stream, packet in _merged(self._work, self._frames_path):
                 encoder.write(stream, packet)
         finally:
             self._close(encoder)
-        both.replace(self._work)
+        self._merged_path.replace(self._work)
 
     def _abandon(self) -> None:
         self._frame_writer = None
         if self._encoder is not None:
             with suppress(Exception):
                 self._close(self._encoder)
-        for path in self._beside:
+        for path in (self._frames_path, self._merged_path):
             path.unlink(missing_ok=True)
 
     @staticmethod
@@ -101,9 +100,9 @@ class Aedat4Writer(EventWriter):
 
 
 def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
-    """What the header says of one stream."""
+    """Return the description of one stream for the header."""
 
-    def words(**values: str) -> dict[str, Any]:
+    def texts(**values: str) -> dict[str, Any]:
         return {key: aedat.DescriptionAttribute("string", value) for key, value in values.items()}
 
     sides = {
@@ -112,9 +111,9 @@ def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
     }
     path = f"{_PATH}{number}/"
     info = aedat.DescriptionNode(
-        name="info", path=f"{path}info/", attributes=sides | words(source=_SOURCE), nodes=[]
+        name="info", path=f"{path}info/", attributes=sides | texts(source=_SOURCE), nodes=[]
     )
-    attributes = words(
+    attributes = texts(
         compression="LZ4",
         originalModuleName=_SOURCE,
         originalOutputName=name,
@@ -125,13 +124,13 @@ def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
 
 
 def _merged(events: Path, frames: Path) -> Iterator[tuple[int, Any]]:
-    """Packets of both files in order of time; a frame's is the end of its exposure."""
+    """Yield (stream, packet) of both files in order of time: of a frame, its exposure's end."""
     from faery import aedat
 
-    with aedat.Decoder(events) as of_events, aedat.Decoder(frames) as of_frames:
-        images = (packet for track, packet in of_frames if track.data_type == "frame")
+    with aedat.Decoder(events) as event_packets, aedat.Decoder(frames) as frame_packets:
+        images = (packet for track, packet in frame_packets if track.data_type == "frame")
         image = next(images, None)
-        for _, packet in of_events:
+        for _, packet in event_packets:
             while image is not None and image.exposure_end_t <= packet["t"][-1]:
                 yield 1, image
                 image = next(images, None)

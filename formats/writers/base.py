@@ -1,4 +1,4 @@
-"""What all writers share: the checks, and a file that is whole or absent."""
+"""Base of all writers: checks, and a temporary file that is renamed once it is complete."""
 
 from __future__ import annotations
 
@@ -13,36 +13,42 @@ from typing import ClassVar, Self
 from emulator import ApsFrame
 from flybench.errors import EventError
 from flybench.events import Events, check_events
-from formats.columns import SIDE_MAX
+from formats.columns import MAX_SIDE_PX
 from formats.errors import FormatError
 
 
 class EventWriter(ABC):
-    """Writes one recording, under another name until it is whole. Use as a context manager.
+    """Writes one recording under a temporary name and renames it once it is complete.
+
+    Use as a context manager.
 
     Attributes:
-        takes_frames: whether the format holds APS frames beside events.
+        takes_frames: True if the format supports APS frames.
+        max_side_px: largest width or height of a sensor in the format [px].
+        path: path of the file.
+        width: sensor columns [px].
+        height: sensor rows [px].
     """
 
     takes_frames: ClassVar[bool] = False
-    side_max: ClassVar[int] = SIDE_MAX
+    max_side_px: ClassVar[int] = MAX_SIDE_PX
 
     def __init__(self, path: Path, *, width: int, height: int) -> None:
-        """Begin a file.
+        """Create the temporary file.
 
         Args:
-            path: where it will be.
+            path: path of the file.
             width: sensor columns [px].
             height: sensor rows [px].
 
         Raises:
-            FormatError: nothing can be written there, or no sensor of this size in this format.
-            MissingLibraryError: a library is missing, with the command that installs it.
+            FormatError: the file cannot be written, or the format does not support the size.
+            MissingLibraryError: a library is missing; the message states how to install it.
         """
-        if not (0 < width <= self.side_max and 0 < height <= self.side_max):
+        if not (0 < width <= self.max_side_px and 0 < height <= self.max_side_px):
             raise FormatError(
-                f"the sensor has {width}x{height} px; this format allows 1 to {self.side_max} each "
-                "way; choose another format"
+                f"The sensor has {width}x{height} px. Allowed in this format is 1 to "
+                f"{self.max_side_px} px each way. Choose another format."
             )
         _check_place(path)
         self.path, self.width, self.height = path, width, height
@@ -52,7 +58,7 @@ class EventWriter(ABC):
             self._open(self._work)
         except BaseException as error:
             self._discard()
-            raise self._told(error) from error
+            raise self._as_format_error(error) from error
 
     def __enter__(self) -> Self:
         return self
@@ -69,14 +75,17 @@ class EventWriter(ABC):
                 self._work.replace(self.path)
             except BaseException as failure:
                 self._discard()
-                raise self._told(failure) from failure
+                raise self._as_format_error(failure) from failure
         self._discard()
 
     def write(self, events: Events) -> None:
-        """Append events, sorted by t, from 0 on, and not older than the last.
+        """Append events.
+
+        Args:
+            events: events sorted by time, from 0 on and not older than those written before.
 
         Raises:
-            FormatError: they are not, or are no events of this sensor, or the disk is full.
+            FormatError: the events are not in order or not from this sensor, or the disk is full.
         """
         try:
             check_events(events, width=self.width, height=self.height)
@@ -87,54 +96,55 @@ class EventWriter(ABC):
         first_us = int(events["t"][0])
         if first_us < self._last_us:
             raise FormatError(
-                f"{self.path} cannot be written: an event at {first_us} µs comes after "
-                f"{self._last_us} µs; write them in order of time, from 0 on"
+                f"{self.path} cannot be written: an event at {first_us} µs comes after one at "
+                f"{self._last_us} µs. Write events in order of time, from 0 on."
             )
         self._last_us = int(events["t"][-1])
         try:
             self._write(events)
         except (OSError, RuntimeError) as error:
-            raise self._told(error) from error
+            raise self._as_format_error(error) from error
 
     def write_frame(self, frame: ApsFrame) -> None:
-        """Add an APS frame, in order of time among the frames.
+        """Append an APS frame; frames must come in order of time.
 
         Raises:
-            FormatError: the format takes none, or the frame is of another size.
+            FormatError: the format does not support frames, or the frame has another size.
         """
         if not self.takes_frames:
             raise FormatError(
-                f"{self.path} cannot hold frames; write AEDAT 4 (.aedat4), or leave them out"
+                f"{self.path} has a format without frames. Write AEDAT 4 (.aedat4), or leave the "
+                "frames out."
             )
         if frame.image.shape != (self.height, self.width):
             raise FormatError(
-                f"{self.path}: a frame has {frame.image.shape[1]}x{frame.image.shape[0]} px; "
-                f"allowed is the sensor's {self.width}x{self.height}"
+                f"{self.path}: a frame has {frame.image.shape[1]}x{frame.image.shape[0]} px. "
+                f"Allowed is the size of the sensor, {self.width}x{self.height} px."
             )
         try:
             self._write_frame(frame)
         except (OSError, RuntimeError) as error:
-            raise self._told(error) from error
+            raise self._as_format_error(error) from error
 
     @abstractmethod
     def _open(self, work: Path) -> None:
-        """Begin the file under its temporary name."""
+        """Create the temporary file `work`."""
 
     @abstractmethod
     def _write(self, events: Events) -> None:
-        """Append checked events, at least one."""
+        """Append events that have been checked, at least one."""
 
     def _write_frame(self, frame: ApsFrame) -> None:
-        """Add a checked frame; only where `takes_frames`."""
+        """Append a frame that has been checked; called only if `takes_frames`."""
         raise NotImplementedError
 
     @abstractmethod
     def _finish(self) -> None:
-        """Write what is left, and close."""
+        """Write buffered data and close the file."""
 
     @abstractmethod
     def _abandon(self) -> None:
-        """Close whatever is open; called at the end in any case."""
+        """Close all open files; always called at the end, also after `_finish`."""
 
     def _discard(self) -> None:
         with suppress(Exception):
@@ -142,22 +152,24 @@ class EventWriter(ABC):
         with suppress(OSError):
             self._work.unlink(missing_ok=True)
 
-    def _told(self, error: BaseException) -> BaseException:
+    def _as_format_error(self, error: BaseException) -> BaseException:
         if isinstance(error, FormatError) or not isinstance(error, OSError | RuntimeError):
             return error
         why = (error.strerror if isinstance(error, OSError) else None) or str(error)
         return FormatError(
-            f"{self.path} cannot be written ({why}); make room there, or choose another place"
+            f"{self.path} cannot be written ({why}). Free space there, or choose another place."
         )
 
 
 def _check_place(path: Path) -> None:
     if path.is_dir():
-        raise FormatError(f"{path} is a folder; give the name of a file in it")
+        raise FormatError(f"{path} is a folder. Give the name of a file in it.")
     if not path.parent.is_dir():
-        raise FormatError(f"{path} cannot be written: there is no folder {path.parent}; make it")
+        raise FormatError(
+            f"{path} cannot be written: the folder {path.parent} does not exist. Create it first."
+        )
     if not os.access(path.parent, os.W_OK | os.X_OK):
         raise FormatError(
-            f"{path} cannot be written: the folder {path.parent} allows it not; choose "
-            "another place"
+            f"{path} cannot be written: the folder {path.parent} is write-protected. Choose "
+            "another place."
         )

@@ -16,13 +16,13 @@ from formats.writers.base import EventWriter
 
 CHUNK = 1 << 16
 LATEST_US = 86_400_000_000
-"""Latest time, a day (assumed): its index has 86 million entries [µs]."""
+"""Latest time, one day (assumed): the index then has 86 million entries [µs]."""
 
 _DTYPES = {"t": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
 
 
 class DsecWriter(EventWriter):
-    """Appends events to `events/{t,x,y,p}`, compressed by gzip, with the index `ms_to_idx`."""
+    """Writes the data sets `events/{t,x,y,p}`, compressed with gzip, and the index `ms_to_idx`."""
 
     def _open(self, work: Path) -> None:
         self._file = h5py.File(work, "w")
@@ -37,8 +37,9 @@ class DsecWriter(EventWriter):
     def _write(self, events: Events) -> None:
         if int(events["t"][-1]) > LATEST_US:
             raise FormatError(
-                f"{self.path}: an event is at {events['t'][-1]} µs; DSEC's index has an entry a "
-                f"millisecond, so times to {LATEST_US} µs are allowed; subtract the first time"
+                f"{self.path}: an event has the time {events['t'][-1]} µs. Allowed is up to "
+                f"{LATEST_US} µs, because the index of DSEC has one entry per millisecond. "
+                "Subtract the time of the first event."
             )
         self._buffer.append(events)
         self._buffered += events.size
@@ -64,7 +65,7 @@ class DsecWriter(EventWriter):
             self._append(column, events[name])
 
     def _extend_index(self, t: npt.NDArray[np.int64]) -> None:
-        """Number of events before each millisecond that has begun by the last of these."""
+        """Append the number of events before each millisecond, up to that of the last event."""
         before, end = self._columns["t"].size, int(t[-1]) // 1000 + 1
         for first in range(self._index.size, end, CHUNK):
             ms = np.arange(first, min(first + CHUNK, end))

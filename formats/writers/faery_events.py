@@ -1,4 +1,4 @@
-"""Our events as faery takes them."""
+"""Convert events to the dtype that faery takes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from flybench.events import Events
 _DTYPE = np.dtype([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
 
 
-def for_faery(events: Events) -> npt.NDArray[np.void]:
-    """Events with unsigned numbers: the same bytes, since none is negative."""
+def to_faery(events: Events) -> npt.NDArray[np.void]:
+    """Return a view of events as unsigned numbers; none is negative, so the bytes are equal."""
     return np.ascontiguousarray(events).view(_DTYPE)

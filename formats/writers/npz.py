@@ -1,4 +1,4 @@
-"""A NumPy archive of the columns t, x, y and p, and of `width` and `height`."""
+"""NumPy archive of the arrays t, x, y, p, width and height."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from formats.writers.base import EventWriter
 
 
 class NpzWriter(EventWriter):
-    """Spools the columns to files without a name, and puts them into one archive at the end.
+    """Writes each column to an unnamed temporary file and joins them in one archive at the end.
 
-    An array's length stands before its contents, so it must be known first.
+    The header of an array states its length, which is only known at the end.
     """
 
     def _open(self, work: Path) -> None:

@@ -1,4 +1,4 @@
-"""Text: a line an event, as the event-camera data set of ECD (Mueggler et al. 2017), and CSV."""
+"""Text, one event a line, as in the Event Camera Dataset (ECD, Mueggler et al. 2017), and CSV."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from formats.writers.base import EventWriter
 
 
 class TextWriter(EventWriter):
-    """`t x y p` with t in seconds to 6 decimals, under a line of the sensor's width and height."""
+    """Writes the width and height of the sensor, then lines `t x y p` with t in s, 6 decimals."""
 
     _separator = " "
 
@@ -53,7 +53,7 @@ class TextWriter(EventWriter):
 
 
 class CsvWriter(TextWriter):
-    """`t,x,y,p` with t in µs, under a comment of width and height and a line of these names."""
+    """Writes a comment with width and height, the header `t,x,y,p`, then events with t in µs."""
 
     _separator = ","
 

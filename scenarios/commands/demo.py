@@ -1,4 +1,4 @@
-"""`flybench demo`: the paper's second speed, once by day and once by night."""
+"""`flybench demo`: the paper's second speed, by day and by night."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Annotated
 import tyro
 
 from scenarios.commands.run import LOGS, Run
-from scenarios.output.folder import check_output
-from scenarios.output.terminal import progress_bar, script
+from scenarios.options.method import MethodName
+from scenarios.output.atomic_folder import check_output_folder
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
@@ -19,21 +20,20 @@ from scenarios.runs.sequence import run_sequence
 
 @dataclass(frozen=True)
 class Demo:
-    """Run one day and one night sequence, vehicle moving right, and compare them in a table."""
+    """Run one sequence by day and one by night and compare the results in a table."""
 
-    out: Path = LOGS / "demo"
-    """Folder to write both to."""
-    method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
-    """Detector: fly, wide, or a class of your own as package.module:Class."""
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = LOGS / "demo"
+    """Folder to write; the sequences go to its folders day and night."""
+    method: MethodName = FLY
 
     def execute(self) -> int:
-        """Run both, and print the closing table."""
+        """Run both sequences and print the table."""
         runs = [
             (self.out / "day", Run(lighting="day", method=self.method).config()),
             (self.out / "night", Run(lighting="night", method=self.method).config()),
         ]
         for folder, config in runs:
-            check_output(folder)
+            check_output_folder(folder)
             make_detector(config)
         with progress_bar() as progress:
             summaries = [
@@ -45,4 +45,4 @@ class Demo:
 
 
 if __name__ == "__main__":
-    script(Demo)
+    run_cli(Demo)

@@ -1,4 +1,4 @@
-"""`flybench doctor`: what renders here, how fast, and what is missing."""
+"""`flybench doctor`: check the renderer of this machine."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from importlib.metadata import version
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.terminal import script
+from scenarios.output.terminal import run_cli
 from sim import Crossing, CrossingConfig
 from sim.render.vulkan import INSTALL_COMMAND, vulkan_devices
 
@@ -23,43 +23,47 @@ _LIBRARIES = ("mujoco", "numba", "rerun-sdk", "h5py", "tyro")
 
 @dataclass(frozen=True)
 class Doctor:
-    """Say what renders on this machine, how fast, and what to install if nothing does."""
+    """Show the renderer of this machine and its speed, or what to install if there is none."""
 
     def execute(self) -> int:
-        """Print the findings; the status is 1 where nothing renders."""
+        """Print the table; the exit status is 1 if this machine cannot render."""
         table = Table(show_header=False)
         table.add_row("python", f"{platform.python_version()} on {platform.platform()}")
-        table.add_row("processors", str(os.cpu_count()))
+        table.add_row("CPU cores", str(os.cpu_count()))
         for name in _LIBRARIES:
             table.add_row(name, version(name))
         devices = vulkan_devices()
         for device in devices:
             kind = "software" if device.is_software else "hardware"
             table.add_row("Vulkan device", f"{device.name} ({kind})")
-            table.add_row("its driver", device.driver)
-        missing = sys.platform.startswith("linux") and not devices
-        if not missing:
+            table.add_row("driver", device.driver)
+        no_driver = sys.platform.startswith("linux") and not devices
+        if not no_driver:
             fps = luminance_frames_per_second(FRAMES)
             table.add_row("luminance frames", f"{fps:.1f} per second (346×260, 2×2 supersampled)")
         Console().print(table)
-        if missing:
+        if no_driver:
             print(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
             return 1
-        print("Nothing is missing.")
+        print("This machine can render. Nothing is missing.")
         return 0
 
 
 def luminance_frames_per_second(frames: int) -> float:
-    """Rate at which whole 346×260 frames of the street by day are drawn, from the median time."""
+    """Return how many full 346×260 frames of the street by day are rendered per second.
+
+    Args:
+        frames: number of frames to take the median time of; one more is rendered first, untimed.
+    """
     crossing = Crossing(CrossingConfig())
     times_s = []
-    with crossing.full_frames() as draw:
+    with crossing.full_frame_renderer() as render:
         for k in range(frames + 1):
             start = time.perf_counter()
-            draw(k * 1000)
+            render(k * 1000)
             times_s.append(time.perf_counter() - start)
     return 1 / statistics.median(times_s[1:])
 
 
 if __name__ == "__main__":
-    script(Doctor)
+    run_cli(Doctor)

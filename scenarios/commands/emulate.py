@@ -1,4 +1,4 @@
-"""`flybench emulate`: a video, a folder of images or an array, as a DAVIS346 would have seen it."""
+"""`flybench emulate`: emulate a sensor that looks at a video, images or an array."""
 
 from __future__ import annotations
 
@@ -15,29 +15,35 @@ from rich.table import Table
 from emulator import EventSensor, SensorOutput, preset
 from emulator.presets import PresetName
 from formats import EventWriter, open_writer
+from scenarios.emulate.luminance_samples import (
+    ACCURATE_PX,
+    STEP_PX,
+    MotionStatistics,
+    luminance_samples,
+)
 from scenarios.emulate.pictures import Pictures, open_pictures
-from scenarios.emulate.samples import BELIEVABLE_PX, STEP_PX, Motion, samples
 from scenarios.errors import ScenarioError
-from scenarios.output.terminal import progress_bar, script
-from scenarios.output.whole_file import check_place
+from scenarios.output.atomic_file import check_output_file
+from scenarios.output.terminal import progress_bar, run_cli
 
 FPS_MIN, FPS_MAX = 0.1, 100_000.0
 WHITE_CD_M2 = 200.0
-"""A display's white (assumed)."""
+"""Luminance of a white display (assumed)."""
 LARGE_SHARE = 0.1
-"""Of the sensor's width: motion from frame to frame above which flow is not to be believed
+"""Motion between frames, as a share of the sensor's width, above which optical flow is unreliable
 (assumed)."""
 
 
 @dataclass
-class Seen:
-    """What came out of the sensor.
+class EmulationTotals:
+    """Totals of the sensor's input and output.
 
     Attributes:
-        frames: pictures that it was shown.
-        t_us: time of the last [µs].
-        events, on: how many, and of them ON.
-        aps: frames of the APS.
+        frames: number of pictures that the sensor has seen.
+        t_us: time of the last picture [µs].
+        events: number of events.
+        on: number of ON events.
+        aps: number of APS frames.
     """
 
     frames: int = 0
@@ -47,7 +53,7 @@ class Seen:
     aps: int = 0
 
     def add(self, output: SensorOutput) -> None:
-        """Count what a step brought."""
+        """Include the output of one sensor step."""
         self.events += output.events.size
         self.on += int(np.count_nonzero(output.events["p"]))
         self.aps += len(output.aps_frames)
@@ -55,50 +61,62 @@ class Seen:
 
 @dataclass(frozen=True)
 class Emulate:
-    """Turn pictures into the events and frames of a DAVIS346: a video, a folder, an array."""
+    """Emulate a sensor that looks at a video, images or an array, and write its events."""
 
     input: Annotated[Path, tyro.conf.Positional]
-    """A video, a folder of images in the order of their numbers, or a .npy array."""
+    """Video, folder of images (in the order of the numbers in their names) or .npy array."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """What to write: .aedat4 (events and frames), .h5 (DSEC), .raw (EVT3), .txt, .csv or .npz."""
-    fps: float | None = None
-    """Frames a second; a video's own where not given."""
-    white_cd_m2: float = WHITE_CD_M2
-    """Luminance that the highest level stands for [cd/m²]: 200 on a display, 2000 in the shade,
-    10000 in the sun."""
+    """File to write: .aedat4 (events and APS frames), .h5 (DSEC), .raw (EVT3), .txt, .csv, .npz."""
+    fps: Annotated[
+        float | None,
+        tyro.conf.arg(metavar="HZ", help_behavior_hint="(default: that of the video)"),
+    ] = None
+    """Frames per second, 0.1 to 100000; required for images and arrays."""
+    white_cd_m2: Annotated[
+        float,
+        tyro.conf.arg(
+            metavar="CD_M2",
+            help="Luminance of the highest grey level [cd/m²], above 0: 200 for a display, 2000 in "
+            "the shade, 10000 in the sun.",
+        ),
+    ] = WHITE_CD_M2
     transfer: Literal["srgb", "linear"] = "srgb"
-    """How levels stand for light: as cameras encode it, or in proportion."""
+    """Relation of grey levels to luminance: sRGB, as in most images and videos, or linear."""
     sensor: PresetName = "davis346"
     """Preset of the sensor; the middle of the picture fills it."""
     seed: int = 0
-    """Seed of everything random."""
+    """Seed of the sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal events."""
     interpolate: bool = False
-    """Put pictures between frames by optical flow, so that nothing moves farther than half a pixel
-    at once."""
+    """Interpolate frames by optical flow so that nothing moves more than half a pixel at once."""
 
     def execute(self) -> int:
-        """Emulate, write the file, and print what is in it."""
-        check_place(self.out, "--out")
+        """Run the sensor, write the file and print a summary."""
+        check_output_file(self.out, "--out")
         pictures = open_pictures(self.input)
-        fps, motion, seen = self._fps(pictures), Motion(), Seen()
+        fps, motion, totals = self._fps(pictures), MotionStatistics(), EmulationTotals()
         config = preset(self.sensor)
         with open_writer(self.out, width=config.width, height=config.height) as writer:
-            self._emulate(pictures, fps, motion, writer, seen)
-            if seen.frames < 2:
+            self._emulate(pictures, fps, motion, writer, totals)
+            if totals.frames < 2:
                 raise ScenarioError(
-                    f"{self.input} holds {seen.frames} frames; allowed is 2 and more, since events "
-                    "come from change; give a longer one"
+                    f"{self.input} contains {totals.frames} frames. Allowed are 2 or more, because "
+                    "events come from changes. Give a longer sequence."
                 )
-        self._warn(pictures, fps, motion, seen, takes_frames=writer.takes_frames)
-        self._print(fps, motion, seen)
+        self._warn(pictures, fps, motion, totals, takes_frames=writer.takes_frames)
+        self._print(fps, motion, totals)
         return 0
 
     def _emulate(
-        self, pictures: Pictures, fps: float, motion: Motion, writer: EventWriter, seen: Seen
+        self,
+        pictures: Pictures,
+        fps: float,
+        motion: MotionStatistics,
+        writer: EventWriter,
+        totals: EmulationTotals,
     ) -> None:
         config = preset(self.sensor)
         sensor = EventSensor(config, seed=self.seed)
-        found = samples(
+        samples = luminance_samples(
             pictures,
             fps=fps,
             size=(config.width, config.height),
@@ -108,82 +126,88 @@ class Emulate:
             motion=motion,
         )
         with progress_bar() as progress:
-            tell = progress.track(self.input.name)
-            for sample in found:
+            advance = progress.track(self.input.name)
+            for sample in samples:
                 output = sensor.step(sample.t_us, sample.luminance)
                 writer.write(output.events)
                 if writer.takes_frames:
                     for frame in output.aps_frames:
                         writer.write_frame(frame)
-                seen.add(output)
-                seen.frames, seen.t_us = sample.frame + 1, sample.t_us
-                tell(seen.frames, max(seen.frames, pictures.count))
+                totals.add(output)
+                totals.frames, totals.t_us = sample.frame + 1, sample.t_us
+                advance(totals.frames, max(totals.frames, pictures.count))
 
     def _fps(self, pictures: Pictures) -> float:
         fps = self.fps if self.fps is not None else pictures.fps
         if fps is None:
             raise ScenarioError(
-                f"{self.input} does not say how many frames a second it has; give them with --fps, "
-                "such as --fps 1000"
+                f"{self.input} does not state its frames per second. Give them with --fps, such as "
+                "--fps 1000."
             )
         if not FPS_MIN <= fps <= FPS_MAX:
             raise ScenarioError(
-                f"the frames a second are {fps:g}; allowed is {FPS_MIN:g} to {FPS_MAX:g}; give "
-                "them with --fps"
+                f"The frame rate is {fps:g} frames per second. Allowed is {FPS_MIN:g} to "
+                f"{FPS_MAX:g}. Give another with --fps."
             )
         return fps
 
     def _warn(
-        self, pictures: Pictures, fps: float, motion: Motion, seen: Seen, *, takes_frames: bool
+        self,
+        pictures: Pictures,
+        fps: float,
+        motion: MotionStatistics,
+        totals: EmulationTotals,
+        *,
+        takes_frames: bool,
     ) -> None:
-        if motion.too_far and not self.interpolate:
-            _tell(
-                f"things move by up to {motion.most_px:.1f} px from frame to frame, more than "
-                f"{BELIEVABLE_PX:g} px in {motion.too_far} of {motion.pairs} steps: events there "
-                f"come at times that are wrong by up to {1e3 / fps:.3g} ms, and in wrong numbers; "
-                f"take {fps * motion.most_px / BELIEVABLE_PX:.0f} frames a second, or give "
-                "--interpolate"
+        if motion.inaccurate and not self.interpolate:
+            _print_note(
+                f"Objects move by up to {motion.max_px:.1f} px between frames, by more than "
+                f"{ACCURATE_PX:g} px in {motion.inaccurate} of {motion.pairs} steps. There, the "
+                f"times of events are wrong by up to {1e3 / fps:.3g} ms, and their number is "
+                f"wrong. Record {fps * motion.max_px / ACCURATE_PX:.0f} frames per second, or give "
+                "--interpolate."
             )
-        widest_px = LARGE_SHARE * preset(self.sensor).width
-        if self.interpolate and motion.most_px > widest_px:
-            _tell(
-                f"things move by up to {motion.most_px:.1f} px from frame to frame; optical flow "
-                f"is seldom right above {widest_px:.0f} px; take more frames a second"
+        reliable_px = LARGE_SHARE * preset(self.sensor).width
+        if self.interpolate and motion.max_px > reliable_px:
+            _print_note(
+                f"Objects move by up to {motion.max_px:.1f} px between frames. Optical flow is "
+                f"unreliable above {reliable_px:.0f} px. Record more frames per second."
             )
-        if seen.frames < pictures.count:
-            _tell(
-                f"{self.input} promises {pictures.count} frames, and {seen.frames} could be read; "
-                "it may be cut"
+        if totals.frames < pictures.count:
+            _print_note(
+                f"{self.input} states {pictures.count} frames, but only {totals.frames} could be "
+                "read. It may be truncated."
             )
-        if seen.aps and not takes_frames:
-            _tell(
-                f"{seen.aps} APS frames were left out, since {self.out.suffix} holds none; write "
-                "an .aedat4 to keep them",
+        if totals.aps and not takes_frames:
+            _print_note(
+                f"{totals.aps} APS frames were not written, because {self.out.suffix} files cannot "
+                "contain them. Write an .aedat4 file to keep them.",
                 kind="note",
             )
 
-    def _print(self, fps: float, motion: Motion, seen: Seen) -> None:
+    def _print(self, fps: float, motion: MotionStatistics, totals: EmulationTotals) -> None:
         table = Table(title=str(self.out), title_justify="left", show_header=False)
-        rate = f", {seen.events / seen.t_us * 1e3:,.0f} kev/s" if seen.t_us else ""
-        share = f"{seen.on / seen.events:.1%} ON" if seen.events else "none"
+        rate = f", {totals.events / totals.t_us * 1e3:,.0f} kev/s" if totals.t_us else ""
+        share = f"{totals.on / totals.events:.1%} ON" if totals.events else "none"
         rows = {
-            "frames": f"{seen.frames:,} at {fps:g} a second, {seen.t_us * 1e-6:.3f} s",
+            "frames": f"{totals.frames:,} at {fps:g} Hz, {totals.t_us * 1e-6:.3f} s",
             "luminance": f"up to {self.white_cd_m2:g} cd/m², {self.transfer}",
-            "motion": f"up to {motion.most_px:.2f} px from frame to frame",
-            "put between": f"{motion.made:,}, by optical flow, {STEP_PX:g} px apart at most",
-            "events": f"{seen.events:,}{rate}",
+            "motion": f"up to {motion.max_px:.2f} px between frames",
+            "interpolated": f"{motion.interpolated:,}, at most {STEP_PX:g} px apart",
+            "events": f"{totals.events:,}{rate}",
             "polarity": share,
-            "APS frames": f"{seen.aps:,}",
+            "APS frames": f"{totals.aps:,}",
         }
         for name, value in rows.items():
-            if name != "put between" or self.interpolate:
+            if name != "interpolated" or self.interpolate:
                 table.add_row(name, value)
         Console().print(table)
 
 
-def _tell(what: str, *, kind: str = "warning") -> None:
-    print(f"flybench: {kind}: {what}", file=sys.stderr)
+def _print_note(text: str, *, kind: str = "warning") -> None:
+    print(f"flybench: {kind}: {text}", file=sys.stderr)
 
 
 if __name__ == "__main__":
-    script(Emulate)
+    run_cli(Emulate)

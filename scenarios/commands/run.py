@@ -1,4 +1,4 @@
-"""`flybench run`: one sequence, by day or night, at a given speed and direction."""
+"""`flybench run`: simulate one crossing and detect its direction."""
 
 from __future__ import annotations
 
@@ -14,82 +14,118 @@ from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.distractors import DistractorOptions
-from scenarios.output.folder import check_output
-from scenarios.output.terminal import progress_bar, script
+from scenarios.options.method import MethodName
+from scenarios.output.atomic_folder import check_output_folder
+from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
+from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, make_rivals, run_sequence
+from scenarios.runs.sequence import EventsFormat, run_sequence
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
-from sim.config import DISTANCE_M, PAPER_OMEGA_RAD_S
+from sim.config import DISTANCE_M, ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
 LOGS = Path("logs")
 SECOND_SPEED = 1
-"""Of the paper's four: 40 km/h."""
+"""Index of 40 km/h among the paper's four speeds."""
+
+_OMEGA_HINT = (
+    f"(default: the paper's for 40 km/h, {PAPER_OMEGA_RAD_S[Lighting.DAY][SECOND_SPEED]} by day "
+    f"and at dusk, {PAPER_OMEGA_RAD_S[Lighting.NIGHT][SECOND_SPEED]} at night)"
+)
+_DISTANCE_HINT = (
+    f"(default: the paper's {DISTANCE_M[Lighting.DAY]} by day and at dusk, "
+    f"{DISTANCE_M[Lighting.NIGHT]} at night)"
+)
+_ILLUMINANCE_HINT = (
+    f"(default: {ILLUMINANCE_LUX[Lighting.DAY]:g} by day, {ILLUMINANCE_LUX[Lighting.DUSK]:g} at "
+    f"dusk, {ILLUMINANCE_LUX[Lighting.NIGHT]:g} at night)"
+)
 
 
 @dataclass(frozen=True)
 class Run:
-    """Run one sequence: render it, turn it into events, read its direction, record everything."""
+    """Render one crossing, emulate the sensor, detect the direction and record everything."""
 
     lighting: Literal["day", "dusk", "night"] = "day"
-    """Sun and sky, or a fading sky with lamps, or street lamps and headlights."""
-    omega: Annotated[float | None, tyro.conf.arg(metavar="RAD_S")] = None
-    """Angular velocity at closest approach [rad/s]; the paper's 40 km/h where not given."""
-    speed_km_h: Annotated[float | None, tyro.conf.arg(metavar="KM_H")] = None
-    """Speed of the vehicle [km/h], instead of --omega."""
+    """Time of day: sun and sky, a fading sky with lamps, or street lamps and headlights."""
+    omega: Annotated[
+        float | None,
+        tyro.conf.arg(
+            metavar="RAD_S",
+            help_behavior_hint=_OMEGA_HINT,
+        ),
+    ] = None
+    """Angular velocity of the vehicle at closest approach, 0.05 to 10 [rad/s]."""
+    speed_km_h: Annotated[
+        float | None, tyro.conf.arg(metavar="KM_H", help_behavior_hint="(default: see --omega)")
+    ] = None
+    """Speed of the vehicle [km/h]; use it instead of --omega."""
     direction: Literal["right", "left", "up", "down"] = "right"
-    """Where the vehicle goes in the image."""
+    """Direction of the vehicle in the image. For up and down the camera is rolled by 90 deg."""
     profile: Literal["constant_speed", "constant_omega"] = "constant_speed"
-    """What is held constant: the speed on the road, or the angular velocity."""
+    """Motion of the vehicle: constant speed on the road, or constant angular velocity."""
     vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
-    """What drives."""
+    """Kind of vehicle."""
     paint_reflectance: float = CrossingConfig.paint_reflectance
-    """Of its paint, 0.04 (black) to 0.8 (white); 0.13 all but vanishes before the road by day."""
-    distance_m: float | None = None
-    """From the camera to its flank [m]; the paper's 6.89 by day and dusk, 7.79 by night."""
-    illuminance_lux: float | None = None
-    """On the road, 0.1 to 100 000 [lux]; 30 000 by day, 50 at dusk, 10 by night."""
+    """Paint reflectance, 0.04 (black) to 0.8 (white); by day 0.13 hardly differs from the road."""
+    distance_m: Annotated[
+        float | None, tyro.conf.arg(metavar="METRES", help_behavior_hint=_DISTANCE_HINT)
+    ] = None
+    """Distance from the camera to the near side of the vehicle, 3 to 12 [m]."""
+    illuminance_lux: Annotated[
+        float | None, tyro.conf.arg(metavar="LUX", help_behavior_hint=_ILLUMINANCE_HINT)
+    ] = None
+    """Illuminance on the road in front of the camera, 0.1 to 100000 [lux]."""
     sun_azimuth_deg: float = CrossingConfig.sun_azimuth_deg
-    """By day: 0 is straight ahead of the camera, positive to its right [deg]."""
+    """Azimuth of the sun by day, -180 to 180 [deg]: 0 is straight ahead, positive to the right."""
     sun_elevation_deg: float = CrossingConfig.sun_elevation_deg
-    """By day: over the horizon, 5 to 90 [deg]."""
+    """Elevation of the sun above the horizon by day, 5 to 90 [deg]."""
     street_seed: int = 0
-    """Seed of the houses, trees, parked cars and lit windows."""
+    """Seed of the street, 0 to 2^32 - 1: façades, trees, parked cars and lit windows."""
     distractors: tyro.conf.EnumChoicesFromValues[DistractorOptions] = field(
         default_factory=DistractorOptions
     )
-    """What else moves or flickers."""
+    """Other motion and flicker in the scene. By default there is none."""
     seed: int = 0
-    """Seed of everything random; the same gives the same events."""
-    method: Annotated[str, tyro.conf.arg(metavar="NAME")] = FLY
-    """Detector: fly, wide, or a class of your own as package.module:Class."""
-    also: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = ()
-    """Detectors that look at the same events, to compare in the recording and the table."""
+    """Seed of the sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal events."""
+    method: MethodName = FLY
+    also: Annotated[
+        tuple[str, ...],
+        tyro.conf.arg(metavar="NAME ...", help_behavior_hint="(default: no other detectors)"),
+    ] = ()
+    """Further detectors to run on the same events, for comparison; names as for --method."""
     sensor: PresetName = "davis346"
-    """Preset of the sensor: its pixels, readout and lens, and with them the field of view."""
+    """Preset of the sensor: its pixels, its readout and its lens, which set the field of view."""
     noise: bool = True
-    """Whether a davis346 has leak, shot noise, hot pixels and noisy frames."""
+    """Simulate leak events, shot noise, hot pixels and frame noise; off only with davis346."""
     lead_s: float = 0.15
-    """How long the sequence lasts before the vehicle comes, and after it has gone [s]."""
+    """Time before the vehicle enters the image and after it has left, 0.05 to 10 [s]."""
     step_px: float = CrossingConfig.step_px
-    """The farthest that anything may move in the image between two samples [px]."""
+    """Largest motion in the image between two luminance samples, 0.05 to 8 [px]."""
     supersample: int = CrossingConfig.supersample
-    """Drawn points per pixel along each axis."""
+    """Sub-pixels per pixel along each axis that are rendered, 1 to 8."""
     keyframe_px: float = CrossingConfig.keyframe_px
-    """How far anything moves in the image from one keyframe to the next [px]."""
-    events_format: tuple[EventsFormat, ...] = ()
-    """Further files of the events, beside events.h5; aedat4 holds the APS frames too."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder to write, in place of flybench's own; a telling name under logs/ where not given."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    """Largest motion of an object in the image between two rendered keyframes, 1 to 128 [px]."""
+    events_format: Annotated[
+        tuple[EventsFormat, ...], tyro.conf.arg(help_behavior_hint="(default: events.h5 only)")
+    ] = ()
+    """Further formats for the events, besides events.h5; aedat4 contains the APS frames too."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR", help_behavior_hint="(default: a descriptive name under logs/)"
+        ),
+    ] = None
+    """Folder to write: a new one, an empty one, or one of an earlier run, which is replaced."""
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def config(self) -> RunConfig:
-        """The run that the arguments ask for.
+        """Return the configuration that the arguments describe.
 
         Raises:
-            SceneConfigError: a value is outside its range.
+            SceneConfigError: a value of the scene is out of its range.
             ScenarioError: both a speed and an angular velocity are given, or the seed is out of
                 range.
         """
@@ -115,19 +151,18 @@ class Run:
         return RunConfig(crossing, self._sensor(), method=self.method, seed=self.seed)
 
     def execute(self) -> int:
-        """Run, and print the closing table."""
-        config, cache = self.config(), self.light.open()
-        beside = "".join(f"_{method.replace(':', '.')}" for method in self.also)
-        folder = self.out or LOGS / f"{config.name}{beside and '_also'}{beside}"
-        check_output(folder)
+        """Run the sequence, write its folder and print a table of the results."""
+        config, cache = self.config(), self.cache.open()
+        others = "".join(f"_{method.replace(':', '.')}" for method in self.also)
+        folder = self.out or LOGS / f"{config.name}{others and '_also'}{others}"
+        check_output_folder(folder)
         make_detector(config)
-        make_rivals(config, self.also)
+        make_extra_detectors(config, self.also)
         with progress_bar() as progress:
-            tell = progress.track(config.name)
             summary = run_sequence(
                 config,
                 folder,
-                tell,
+                progress.track(config.name),
                 cache=cache,
                 also=self.also,
                 events_formats=self.events_format,
@@ -140,8 +175,8 @@ class Run:
             return preset(self.sensor)
         if self.sensor != "davis346":
             raise ScenarioError(
-                f"--sensor is {self.sensor} and --no-noise is given; allowed is --no-noise with "
-                "davis346; choose --sensor ideal or v2e_clean for less noise"
+                f"--sensor is {self.sensor} and --no-noise is given. Allowed is --no-noise with "
+                "davis346. For less noise, choose --sensor ideal or v2e_clean."
             )
         return SensorConfig.noise_free()
 
@@ -151,11 +186,11 @@ class Run:
             return paper[SECOND_SPEED] if self.omega is None else self.omega
         if self.omega is not None:
             raise ScenarioError(
-                f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}; allowed is one of "
-                "them; leave the other out"
+                f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}. Allowed is one of "
+                "them. Leave the other out."
             )
         return omega_from_speed(self.speed_km_h, self.distance_m or DISTANCE_M[lighting])
 
 
 if __name__ == "__main__":
-    script(Run)
+    run_cli(Run)

@@ -1,4 +1,4 @@
-"""`flybench study`: the paper's evaluation, with what truth can tell beyond it."""
+"""`flybench study`: repeat the paper's evaluation, and compare with exact ground truth."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
-from rich.table import Table
 
+from flybench.checks import Range
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.folder import check_output, whole_folder, write_summary
+from scenarios.options.method import MethodNames
+from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, script
-from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs
+from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.summary import versions
-from scenarios.runs.run_table import number
-from scenarios.study.claims.all_claims import hold_claims
-from scenarios.study.claims.claim import Claim, told
+from scenarios.study.claims.all_claims import evaluate_claims
+from scenarios.study.claims.claim import Claim
 from scenarios.study.figures.all_figures import draw_figures
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.report.page import write_report
-from scenarios.study.results import Sequence as Result
+from scenarios.study.report.terminal import print_study
+from scenarios.study.results import SequenceResult
 from scenarios.study.rows import COLUMNS, Row, study_rows
-from scenarios.study.runner import run_all
-from scenarios.study.statistics import Interval, by_method_and_light
-from scenarios.study.watcher import CONTRAST_HOP_US
+from scenarios.study.runner import run_sequences
+from scenarios.study.statistics import Interval, by_method_and_lighting
+from scenarios.study.timed_detector import CONTRAST_HOP_US
 from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
@@ -38,42 +38,46 @@ METHODS = tuple(entry.name for entry in DETECTORS.values() if entry.in_study)
 SEEDS, MOST_SEEDS = 5, 100
 TABLE, REPORT, RECORDINGS, FIGURES = "results.csv", "report.html", "recordings", "figures"
 _SPEED_OVER_S = 600.0
-"""Light is drawn much more slowly than it is read, so the time left needs a long memory."""
+"""Time over which the progress bar averages the speed: rendering is much slower than reading from
+the cache, so a short average would give a wrong remaining time [s]."""
+_HOP_HELP = (
+    "Time between the windows of contrast maximisation [ms]. It must divide their length. 10 ms, "
+    "the step of the fly, costs four times as much CPU time."
+)
+_SEEDS = Range(1, MOST_SEEDS, remedy="Use at least five to estimate the variability.")
 
 
 @dataclass(frozen=True)
 class Study:
-    """Run the paper's crossings with every method, and hold the paper's claims against them."""
+    """Run the paper's crossings with all methods, and test the paper's claims on the results."""
 
     lighting: Literal["day", "night", "both"] = "both"
-    """Sun and sky, or street lamps and headlights, or one after the other."""
+    """Lighting: day (sun and sky), night (street lamps and headlights), or both in turn."""
     omegas: tuple[float, ...] = ()
-    """Angular velocities [rad/s]; the paper's four by each light where not given."""
-    methods: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME ...")] = METHODS
-    """Detectors by name, or classes of your own as package.module:Class."""
+    """Angular velocities at closest approach [rad/s]. Default: the paper's for the lighting."""
+    methods: MethodNames = METHODS
     seeds: int = SEEDS
-    """How many sensors see each crossing, with seeds from 0 on."""
-    contrast_hop_ms: float = CONTRAST_HOP_US / 1e3
-    """Step between windows of contrast maximisation [ms]; 10 is the fly's, at four times the
-    cost."""
+    """Number of sensors that see each crossing, from 1 to 100. Their seeds count from 0."""
+    contrast_hop_ms: Annotated[float, tyro.conf.arg(help=_HOP_HELP)] = CONTRAST_HOP_US / 1e3
     recordings: bool = True
-    """Whether to write a Rerun recording of each crossing, with the first seed."""
+    """Write a Rerun recording of each crossing, with the sensor of the first seed."""
     step_px: float = CrossingConfig.step_px
-    """The farthest that anything may move in the image between two samples [px]."""
+    """Largest motion of anything in the image between two samples [px]."""
     supersample: int = CrossingConfig.supersample
-    """Drawn points per pixel along each axis."""
-    jobs: int = ONE_A_CORE
-    """How many processes; -1: one a core."""
+    """Rendered points per pixel along each axis."""
+    jobs: int = ONE_PER_CORE
+    """Number of parallel processes; -1: one for each core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
-    """Folder to write; takes the place of what flybench wrote there before."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    """Output folder. Replaces an earlier output of flybench."""
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def tasks(self) -> list[SequenceTask]:
-        """The crossings that the arguments ask for, without recordings.
+        """Return the crossings to run, without recordings.
 
         Raises:
-            ScenarioError: no seed or too many, no method or one twice, or a velocity twice.
-            MethodError: there is no such method, or it does not obey the protocol.
+            ScenarioError: the number of seeds is out of range, no method is given, or a method or a
+                velocity is given twice.
+            MethodError: there is no such method, or it does not implement the protocol.
             SceneConfigError: a velocity is out of range.
             DetectorConfigError: the hop of contrast maximisation does not divide its window.
         """
@@ -83,59 +87,57 @@ class Study:
                 crossing,
                 methods=self.methods,
                 seeds=tuple(range(self.seeds)),
-                light=self.light,
+                cache=self.cache,
                 contrast_hop_us=round(self.contrast_hop_ms * 1e3),
             )
             for crossing in self._crossings()
         ]
-        tasks[0].watchers(0)
+        tasks[0].detectors(0)
         return tasks
 
     def execute(self) -> int:
-        """Run, write the folder, and print what was found."""
+        """Run the study, write the folder and print the results."""
         start_s = time.perf_counter()
         tasks = self.tasks()
-        self.light.open()
-        check_output(self.out)
-        with whole_folder(self.out) as work:
+        self.cache.open()
+        check_output_folder(self.out)
+        with atomic_folder(self.out) as work:
             with progress_bar(_SPEED_OVER_S) as progress:
                 advance = progress.track("study")
                 tasks = self._recorded(tasks, work)
-                sequences = run_all(tasks, jobs=self.jobs, progress=advance)
+                sequences = run_sequences(tasks, jobs=self.jobs, progress=advance)
             rows = study_rows(sequences)
-            claims = hold_claims(rows)
+            claims = evaluate_claims(rows)
             self._write(work, tasks, sequences, rows, claims, start_s)
         print_study(rows, claims)
-        print(f"wrote {self.out}; read {self.out / REPORT}")
+        print(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
         return 0
 
     def _check(self) -> None:
-        if not 1 <= self.seeds <= MOST_SEEDS:
-            raise ScenarioError(
-                f"--seeds is {self.seeds}; allowed is 1 to {MOST_SEEDS}; five are the least that "
-                "tell how much noise matters"
-            )
+        _SEEDS.check("--seeds", self.seeds, ScenarioError)
         for name, values in (("methods", self.methods), ("omegas", self.omegas)):
             if len(set(values)) < len(values):
                 raise ScenarioError(
-                    f"--{name} is {' '.join(map(str, values))}; allowed is each once; leave out "
-                    "what is there twice"
+                    f"--{name} is {' '.join(map(str, values))}. Allowed is each value once. Leave "
+                    "out the duplicates."
                 )
         if not self.methods:
-            raise ScenarioError("--methods names none; allowed is one or more, such as fly")
+            raise ScenarioError(
+                "--methods is empty. Allowed is one method or more. Name one, such as fly."
+            )
         check_jobs(self.jobs)
 
     def _crossings(self) -> list[CrossingConfig]:
-        lights = ("day", "night") if self.lighting == "both" else (self.lighting,)
+        lightings = ("day", "night") if self.lighting == "both" else (self.lighting,)
         return [
             CrossingConfig(
-                lighting=Lighting(light),
+                lighting=Lighting(lighting),
                 omega_rad_s=omega,
                 step_px=self.step_px,
                 supersample=self.supersample,
             )
-            for light in lights
-            for omega in self.omegas or PAPER_OMEGA_RAD_S[Lighting(light)]
+            for lighting in lightings
+            for omega in self.omegas or PAPER_OMEGA_RAD_S[Lighting(lighting)]
         ]
 
     def _recorded(self, tasks: Sequence[SequenceTask], work: Path) -> list[SequenceTask]:
@@ -149,7 +151,7 @@ class Study:
         self,
         work: Path,
         tasks: Sequence[SequenceTask],
-        sequences: Sequence[Result],
+        sequences: Sequence[SequenceResult],
         rows: list[Row],
         claims: Sequence[Claim],
         start_s: float,
@@ -168,28 +170,28 @@ class Study:
         write_summary(work, self._summary(rows, claims, time.perf_counter() - start_s))
 
     def _parameters(self, tasks: Sequence[SequenceTask]) -> dict[str, Any]:
-        """What the report tells: the arguments, and what a single run would have as parameters."""
+        """Return the parameters for the report: arguments, scene, sensor and methods."""
         first = tasks[0]
         return {
             "command": self._command(),
             "study": self._arguments(),
             "scene": first.crossing,
             "sensor": first.sensor,
-            "methods": {w.method: c for w in first.watchers(0) if (c := w.config) is not None},
+            "methods": {w.method: c for w in first.detectors(0) if (c := w.config) is not None},
         }
 
     def _arguments(self) -> dict[str, Any]:
         arguments = asdict(self) | {"out": str(self.out)}
-        for name in ("light", "jobs"):  # the result does not depend on them
+        for name in ("cache", "jobs"):  # the result does not depend on them
             del arguments[name]
         return arguments
 
     def _command(self) -> str:
-        """What to type to run this again."""
-        usual, parts = asdict(Study()), ["flybench study"]
+        """Return the command that repeats this study."""
+        defaults, parts = asdict(Study()), ["flybench study"]
         for name, value in self._arguments().items():
             option = name.replace("_", "-")
-            if name == "out" or value == usual[name]:
+            if name == "out" or value == defaults[name]:
                 continue
             if isinstance(value, bool):
                 parts.append(f"--{option}" if value else f"--no-{option}")
@@ -207,10 +209,10 @@ class Study:
             "versions": versions(),
             "statistics": {
                 method: {
-                    light: {name: _plain(value) for name, value in found.items()}
-                    for light, found in by_light.items()
+                    lighting: {name: _plain(value) for name, value in found.items()}
+                    for lighting, found in by_lighting.items()
                 }
-                for method, by_light in by_method_and_light(rows).items()
+                for method, by_lighting in by_method_and_lighting(rows).items()
             },
             "claims": [asdict(claim) for claim in claims],
             "wall_s": round(wall_s, 1),
@@ -221,30 +223,5 @@ def _plain(interval: Interval | None) -> dict[str, float] | None:
     return None if interval is None else asdict(interval)
 
 
-def _mean(interval: Interval | None) -> float | None:
-    return None if interval is None else interval.mean
-
-
-def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
-    """Print what each method reached by each light, and which claims hold."""
-    columns = ("method", "light", "right after 100 ms", "latency", "ms each", "ns/event")
-    table = Table(*columns, title="study", title_justify="left")
-    table.columns[0].no_wrap = True
-    for method, by_light in by_method_and_light(rows).items():
-        for light, found in by_light.items():
-            latency = found["latency_ms"]
-            table.add_row(
-                method,
-                light,
-                told(found["accuracy_after_100ms"], "%"),
-                "never" if latency is None else f"{latency.mean:.0f} ms",
-                *(number(_mean(found[name])) for name in ("ms_per_estimate", "ns_per_event")),
-            )
-    console = Console()
-    console.print(table)
-    for claim in claims:
-        console.print(f"{claim.holds}: {claim.statement}", soft_wrap=True, highlight=False)
-
-
 if __name__ == "__main__":
-    script(Study)
+    run_cli(Study)

@@ -1,4 +1,4 @@
-"""`flybench sweep`: any grid or random sample of runs, from a TOML file."""
+"""`flybench sweep`: run a grid or a random sample of points from a TOML file."""
 
 from __future__ import annotations
 
@@ -14,143 +14,155 @@ from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.terminal import progress_bar, script
-from scenarios.pipeline.parallel import ONE_A_CORE, check_jobs, run_here, run_on_cluster
+from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally, run_on_cluster
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.folder import CSV, PARQUET, check_folder
-from scenarios.sweep.measure import by_light
+from scenarios.sweep.measure import group_by_sequence
 from scenarios.sweep.parameters import PRESET, allowed, parameter_types
 from scenarios.sweep.plan import Plan, Point, read_plan
-from scenarios.sweep.run import Done, Runner, finished, run_sweep
+from scenarios.sweep.run import Runner, SweepResult, count_finished, run_sweep
 
 SWEEPS = Path("logs/sweep")
 _SPEED_OVER_S = 3600.0
-"""A point may take minutes."""
-_WIDE = 1_000
-"""Columns of a table that is not folded, wherever it is printed."""
+"""Time over which the progress display averages the speed [s]; a point may take minutes."""
+_CONSOLE_WIDTH = 1_000
+"""Wide enough that no line of a table is wrapped, even when printed to a file."""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Run every point of a grid or a random sample, and write one table."""
+    """Run all points of a grid or a random sample, and write one table."""
 
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE.toml")] = None
-    """What to vary; see scenarios/sweep/examples."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder to write, or to take up again; logs/sweep/ and the file's name where not given."""
-    jobs: int = ONE_A_CORE
-    """How many processes; -1: one a core."""
-    dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
-    """Scheduler of a Dask cluster that does the work, such as tcp://127.0.0.1:8786."""
+    file: Annotated[
+        tyro.conf.Positional[Path | None],
+        tyro.conf.arg(metavar="FILE.toml", help_behavior_hint=""),
+    ] = None
+    """File that says what to vary. Examples are in scenarios/sweep/examples."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR", help_behavior_hint="(default: logs/sweep/ and the name of the file)"
+        ),
+    ] = None
+    """Output folder; an interrupted sweep in it is resumed."""
+    jobs: int = ONE_PER_CORE
+    """Number of processes, 1 or more; -1: one per core."""
+    dask: Annotated[
+        str | None,
+        tyro.conf.arg(metavar="ADDRESS", help_behavior_hint="(default: no cluster)"),
+    ] = None
+    """Run on a Dask cluster: address of its scheduler, such as tcp://127.0.0.1:8786."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Check the file and print its points; nothing is rendered or written."""
+    """Check the file and print its points, but render and write nothing."""
     parameters: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """List every parameter that a file can set, its default, and what it may be."""
-    light: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
+    """List every parameter that a file can set, with its default and allowed values."""
+    cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def execute(self) -> int:
-        """Check, then run what is not finished yet, and write the table."""
+        """Check the file, run the points that are not finished, and write the table."""
         if self.parameters:
             print_parameters()
             return 0
         if self.file is None:
             raise ScenarioError(
-                "no file is given; allowed is a TOML file, such as one of "
-                "scenarios/sweep/examples; give one, or --parameters to see what it may hold"
+                "No file is given. Allowed is a TOML file, such as those in "
+                "scenarios/sweep/examples. Give a file, or --parameters to list what it can set."
             )
         folder = self.out or SWEEPS / self.file.stem
         run, plan = self._runner(), read_plan(self.file)
         check_folder(folder)
-        self.light.open()
+        self.cache.open()
         if self.dry_run:
-            print_points(plan.points, finished(folder, plan.points))
+            print_points(plan.points, count_finished(folder, plan.points))
             return 0
         return self._run(run, plan, folder, self.file.stem)
 
     def _runner(self) -> Runner:
         check_jobs(self.jobs)
         if self.dask is None:
-            return partial(run_here, jobs=self.jobs)
-        if self.jobs != ONE_A_CORE:
+            return partial(run_locally, jobs=self.jobs)
+        if self.jobs != ONE_PER_CORE:
             raise ScenarioError(
-                f"--jobs is {self.jobs} and --dask is {self.dask}; allowed is one of them, for a "
-                "cluster has its own workers; leave the other out"
+                f"--jobs is {self.jobs} and --dask is {self.dask}. Allowed is only one of them, "
+                "because a cluster has its own workers. Leave the other out."
             )
         return partial(run_on_cluster, address=self.dask)
 
     def _run(self, run: Runner, plan: Plan, folder: Path, name: str) -> int:
         with progress_bar(_SPEED_OVER_S) as bar:
-            done = run_sweep(
+            result = run_sweep(
                 plan,
                 folder,
                 run,
-                self.light,
-                alone=self.jobs == 1,
+                self.cache,
+                use_all_cores=self.jobs == 1,
                 progress=bar.track(f"{name}, {len(plan.points)} points"),
             )
-        print_done(done, plan.points, folder)
-        return 1 if done.failed else 0
+        print_result(result, plan.points, folder)
+        return 1 if result.failed else 0
 
 
 def print_parameters() -> None:
-    """Print every parameter's name, default and type."""
+    """Print the name, default and allowed values of every parameter."""
     defaults: Mapping[str, Any] = RunConfig().parameters() | {PRESET: "davis346"}
     table = Table("parameter", "default", "allowed", box=None)
     for name, kind in parameter_types().items():
         default = defaults[name]
         shown = list(default) if isinstance(default, tuple) else default
         table.add_row(name, str(shown).lower() if kind is bool else str(shown), allowed(kind))
-    Console(width=_WIDE).print(table)
+    Console(width=_CONSOLE_WIDTH).print(table)
 
 
-def print_points(points: Sequence[Point], known: int) -> None:
-    """Print what differs from point to point, and how much work there is."""
+def print_points(points: Sequence[Point], finished: int) -> None:
+    """Print what varies from point to point, and the number of points and sequences."""
     labels = list(dict.fromkeys(name for point in points for name in point.labels))
     varied = list(dict.fromkeys(name for point in points for name in point.varied))
     columns = [*labels, *(name for name in varied if name not in labels)]
     table = Table("", *columns, box=None)
     for n, point in enumerate(points):
         values = dict(point.varied) | dict(point.labels)
-        table.add_row(str(n), *(_shown(values.get(name, "")) for name in columns))
-    console = Console(width=_WIDE)
+        table.add_row(str(n), *(_format(values.get(name, "")) for name in columns))
+    console = Console(width=_CONSOLE_WIDTH)
     console.print(table)
-    lights = by_light(point.config for point in points)
-    console.print(f"{len(points)} points of {len(lights)} sequences; {known} are finished")
+    sequences = group_by_sequence(point.config for point in points)
+    console.print(f"{len(points)} points of {len(sequences)} sequences; {finished} are finished")
 
 
-def print_done(done: Done, points: Sequence[Point], folder: Path) -> None:
-    """Print what was written, what was found, and what failed."""
-    if done.left_out:
+def print_result(result: SweepResult, points: Sequence[Point], folder: Path) -> None:
+    """Print what was written, what was reused, and what failed."""
+    if result.unused:
         print(
-            f"{done.left_out} finished points in {folder} are of another file or other code; they "
-            "are kept, and left out of the table"
+            f"{result.unused} finished points in {folder} are from another file or other code. "
+            "They are kept, but are not in the table."
         )
     by_reason: dict[str, list[Point]] = {}
-    for point, reason in done.failed:
+    for point, reason in result.failed:
         by_reason.setdefault(reason, []).append(point)
     for reason, failed in by_reason.items():
         more = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
-        print(f"failed: {_told(failed[0])}{more}: {reason}")
-    if done.failed:
+        print(f"failed: {_describe(failed[0])}{more}: {reason}")
+    if result.failed:
         print(
-            f"{len(done.failed)} of {len(points)} points failed, so there is no table; the others "
-            "are kept; mend the cause, or take these points out of the file, and start again"
+            f"{len(result.failed)} of {len(points)} points failed, so no table is written. The "
+            "results of the others are kept. Remove the cause, or these points from the file, and "
+            "start again."
         )
         return
     print(
-        f"wrote {folder / CSV} and {PARQUET} beside it: {len(points)} points, of which "
-        f"{done.found} were finished before"
+        f"wrote {folder / CSV} and {PARQUET} in the same folder: {len(points)} points, of which "
+        f"{result.reused} were finished before"
     )
 
 
-def _told(point: Point) -> str:
+def _describe(point: Point) -> str:
     values = dict(point.labels) | dict(point.varied)
-    return ", ".join(f"{name} = {_shown(value)}" for name, value in values.items())
+    return ", ".join(f"{name} = {_format(value)}" for name, value in values.items())
 
 
-def _shown(value: Any) -> str:
+def _format(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 if __name__ == "__main__":
-    script(Sweep)
+    run_cli(Sweep)

@@ -1,4 +1,4 @@
-"""`flybench view`: open a run or a study, in a window, in the browser, or as a picture."""
+"""`flybench view`: show recordings in a window or a browser, or save a picture of them."""
 
 from __future__ import annotations
 
@@ -11,59 +11,72 @@ import rerun_cli
 import tyro
 
 from scenarios.errors import ScenarioError
-from scenarios.output.folder import RECORDING
-from scenarios.output.terminal import has_display, script
+from scenarios.output.atomic_folder import RECORDING
+from scenarios.output.terminal import has_display, run_cli
 from scenarios.recording.screenshot import screenshot
 
 MAGIC = b"RRF2"
 RECORDINGS, SUFFIX = "recordings", ".rrd"
-"""A study's folder in which its recordings lie, and how their names end."""
+"""Folder of the recordings in that of a study, and the ending of their names."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Open a recording, or all of a study, in the Rerun viewer."""
+    """Open the recording of a run, or all recordings of a study, in the Rerun viewer."""
 
     path: Annotated[Path, tyro.conf.Positional]
-    """A run's or a study's folder, or a recording (.rrd)."""
-    recording: Annotated[str | None, tyro.conf.arg(metavar="NAME")] = None
-    """One of a study's recordings, such as day_1.61; all where not given."""
+    """Folder of a run or a study, or a recording (.rrd)."""
+    recording: Annotated[
+        str | None, tyro.conf.arg(metavar="NAME", help_behavior_hint="(default: all)")
+    ] = None
+    """Open only this recording of a study, such as day_1.61."""
     web: bool = False
-    """Serve it on 127.0.0.1 for a browser, instead of opening a window."""
-    screenshot: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
-    """Write a picture of the viewer instead, of a study's first recording; needs no display."""
-    at_s: float | None = None
-    """Time that the screenshot shows [s]; the middle of the crossing where not given."""
+    """Serve the viewer to a browser at 127.0.0.1 instead of opening a window."""
+    screenshot: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="PNG",
+            help="Write a picture of the viewer to this file instead of opening a window; works "
+            "without a display. Of a study, it shows the first recording or that of --recording.",
+            help_behavior_hint="(default: no picture)",
+        ),
+    ] = None
+    at_s: Annotated[
+        float | None,
+        tyro.conf.arg(metavar="SECONDS", help_behavior_hint="(default: middle of the crossing)"),
+    ] = None
+    """Time in the recording that the picture shows [s]."""
 
     def execute(self) -> int:
-        """Open it; returns the viewer's exit status."""
+        """Open the viewer or write the picture; the exit status is that of the viewer."""
         if self.screenshot is not None and self.screenshot.suffix.lower() != ".png":
             raise ScenarioError(
-                f"--screenshot is {self.screenshot}; allowed is a name that ends in .png; add it"
+                f"--screenshot is {self.screenshot}. Allowed is a name that ends in .png. Add the "
+                "ending."
             )
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
             screenshot(recordings[0], self.screenshot, at_s=self.at_s)
-            print(f"wrote {self.screenshot}, of {recordings[0]}")
+            print(f"wrote {self.screenshot}, a picture of {recordings[0]}")
             return 0
         if not self.web and not has_display():
             raise ScenarioError(
-                "there is no display to open a window on; use --web to serve the recording to a "
-                "browser, or --screenshot FILE.png for a picture"
+                "There is no display for a window. Use --web to serve the viewer to a browser, or "
+                "--screenshot FILE.png for a picture."
             )
         command = [viewer_program(), *map(str, recordings), "--bind", "127.0.0.1"]
         return subprocess.call(command + (["--serve-web"] if self.web else []))
 
 
 def find_recordings(path: Path, name: str | None = None) -> list[Path]:
-    """The recording at `path`, that in the folder `path` of a run, or those of a study.
+    """Return the recordings to open.
 
     Args:
-        path: a file or a folder.
-        name: of one of a study's; None: all, in the order of their names.
+        path: a recording, or the folder of a run or a study.
+        name: name of one recording of a study; None: all, sorted by name.
 
     Raises:
-        ScenarioError: there is none, or none of that name.
+        ScenarioError: there is no recording, or none of that name.
     """
     study = path / RECORDINGS
     found = sorted(file for file in study.glob(f"*{SUFFIX}") if is_recording(file))
@@ -74,32 +87,36 @@ def find_recordings(path: Path, name: str | None = None) -> list[Path]:
     recording = path / RECORDING if path.is_dir() else path
     if not recording.is_file() or not is_recording(recording):
         raise ScenarioError(
-            f"there is no recording at {path}; allowed is a folder that flybench run or flybench "
-            f"study wrote, or an {SUFFIX} file; make one with: flybench run"
+            f"There is no recording at {path}. Allowed is a folder that flybench run or flybench "
+            f"study wrote, or an {SUFFIX} file. Make one with: flybench run"
         )
     return [recording]
 
 
 def viewer_program() -> str:
-    """Rerun's viewer itself; started through Python it would outlive an end of this command."""
+    """Return the path of the Rerun viewer.
+
+    Its Python entry point would start it as another process, which would survive this command.
+    """
     return str(Path(rerun_cli.__file__).with_name("rerun"))
 
 
 def _named(found: list[Path], name: str, study: Path) -> Path:
     names = [file.stem for file in found]
     if name not in names:
-        allowed = ", ".join(names) or "none, since no study's recordings are there"
+        allowed = ", ".join(names) or "none, because this folder has no recordings of a study"
         raise ScenarioError(
-            f"--recording is {name}; allowed in {study} is {allowed}; choose one, or leave it out"
+            f"--recording is {name}. Allowed in {study} is {allowed}. Choose one of them, or leave "
+            "--recording out."
         )
     return found[names.index(name)]
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a file begins as Rerun's files do."""
+    """Return True if a file begins like the files of Rerun."""
     with path.open("rb") as file:
         return file.read(len(MAGIC)) == MAGIC
 
 
 if __name__ == "__main__":
-    script(View)
+    run_cli(View)

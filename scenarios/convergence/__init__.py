@@ -1,1 +1,1 @@
-"""How well the events of a coarser rendering match those of the finest."""
+"""Convergence of rendering: how the events of coarser renderings approach those of the finest."""

@@ -1,4 +1,4 @@
-"""How alike two event streams of the same scene are: which events have a counterpart, and when."""
+"""Match the events of two streams of the same scene, and measure how well they agree."""
 
 from __future__ import annotations
 
@@ -10,49 +10,53 @@ import numpy.typing as npt
 from flybench.events import Events
 
 WITHIN_US = (200, 500, 1000, 2000)
-"""How near in time a counterpart is to be [µs]."""
+"""Tolerances for the time between two matching events [µs]."""
 
 
 @dataclass(frozen=True)
 class Match:
-    """One stream against a reference.
+    """Agreement of a stream with a reference stream.
+
+    Two events match if they have the same pixel and polarity, and times within a tolerance.
 
     Attributes:
-        count: excess of events over the reference's, as a share of these.
-        found: for each of `WITHIN_US`, share of the reference's events with a counterpart of the
-            same pixel and polarity in the stream.
-        real: the same of the stream's events in the reference.
-        median_us: of the time from an event of the stream to its counterpart, of those that have
-            one within the last of `WITHIN_US` [µs]; not a number where none has.
+        excess: number of events relative to the reference, minus 1.
+        recall: share of the reference's events that match an event of the stream, for each
+            tolerance in `WITHIN_US`.
+        precision: share of the stream's events that match an event of the reference, for each
+            tolerance in `WITHIN_US`.
+        median_us: median time between matching events [µs], at the largest tolerance; NaN if no
+            event matches.
     """
 
-    count: float
-    found: tuple[float, ...]
-    real: tuple[float, ...]
+    excess: float
+    recall: tuple[float, ...]
+    precision: tuple[float, ...]
     median_us: float
 
 
 def match(events: Events, reference: Events) -> Match:
-    """Hold a stream against a reference, event by event.
+    """Compare a stream with a reference, event by event.
 
     Args:
-        events: sorted by time.
-        reference: likewise, of the same sensor; not empty.
+        events: events sorted by time.
+        reference: events sorted by time, from the same sensor; not empty.
     """
-    there, back = nearest_us(events, reference), nearest_us(reference, events)
-    paired = there[there <= WITHIN_US[-1]]
+    to_reference, to_events = nearest_us(events, reference), nearest_us(reference, events)
+    matched = to_reference[to_reference <= WITHIN_US[-1]]
     return Match(
-        count=events.size / reference.size - 1,
-        found=_shares(back),
-        real=_shares(there),
-        median_us=float(np.median(paired)) if paired.size else float("nan"),
+        excess=events.size / reference.size - 1,
+        recall=_shares(to_events),
+        precision=_shares(to_reference),
+        median_us=float(np.median(matched)) if matched.size else float("nan"),
     )
 
 
 def nearest_us(events: Events, others: Events) -> npt.NDArray[np.float64]:
-    """(n,) from each event to the nearest of `others` of its pixel and polarity [µs].
+    """Return the time from each event to the nearest of `others` with its pixel and polarity.
 
-    Infinite where there is none.
+    Returns:
+        (n,) times [µs]; infinite where there is no such event.
     """
     span = int(max(events["t"].max(initial=0), others["t"].max(initial=0))) + 1
     keys, sorted_others = _keys(events, span), np.sort(_keys(others, span))
@@ -61,13 +65,13 @@ def nearest_us(events: Events, others: Events) -> npt.NDArray[np.float64]:
     after = np.searchsorted(padded, keys)
     distance = np.full(keys.size, np.inf)
     for neighbour in (padded[after - 1], padded[after]):
-        alike = neighbour // span == keys // span
-        distance = np.where(alike, np.minimum(distance, np.abs(neighbour - keys)), distance)
+        same = neighbour // span == keys // span
+        distance = np.where(same, np.minimum(distance, np.abs(neighbour - keys)), distance)
     return distance
 
 
 def _keys(events: Events, span: int) -> npt.NDArray[np.int64]:
-    """(n,) numbers that sort by pixel and polarity, then by time."""
+    """Return (n,) integers that sort events by pixel and polarity, then by time."""
     pixel = (events["y"].astype(np.int64) << 16) + events["x"]
     return np.asarray((2 * pixel + events["p"]) * span + events["t"])
 

@@ -1,1 +1,1 @@
-"""A sensor's data sheet, as a page, as numbers and in the terminal."""
+"""Presentation of a sensor's data sheet: as an HTML page and as JSON."""

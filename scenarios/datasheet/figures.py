@@ -1,4 +1,4 @@
-"""Plots drawn as SVG, to stand inside a page."""
+"""Plots of the data sheet as SVG, for use inside a page."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 from emulator.characterisation import Plot, Series, Style
 
 SIZE_IN = (4.4, 3.3)
-"""Small enough that its text can be read on a telephone."""
+"""Width and height of a plot: small enough for its text to be readable on a phone [inch]."""
 _LEGEND_LETTERS = 54
-_FEW = ("#0b5fa5", "#d1495b", "#2f8f5b", "#7a5195", "#6b6b6b")
+"""Letters that fit in one line of a legend."""
+_FEW_COLOURS = ("#0b5fa5", "#d1495b", "#2f8f5b", "#7a5195", "#6b6b6b")
 _RC: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "flybench",
@@ -36,7 +37,7 @@ _RC: Any = {
 
 
 def draw_svg(plot: Plot) -> str:
-    """A plot as an `<svg>` element; the same plot gives the same text."""
+    """Draw a plot as an `<svg>` element; the same plot gives the same text."""
     with mpl.rc_context(_RC):
         file = io.StringIO()
         figure = draw(plot)
@@ -46,13 +47,13 @@ def draw_svg(plot: Plot) -> str:
 
 
 def draw(plot: Plot) -> Figure:
-    """A plot as a matplotlib figure."""
+    """Draw a plot as a matplotlib figure."""
     figure = Figure(figsize=SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
-    colours = _colours(plot.series)
-    for number, series in enumerate(plot.series):
-        tint = number if series.tint is None else series.tint
-        _draw_series(axes, series, colours[tint % len(colours)])
+    indices = _colour_indices(plot.series)
+    colours = _colours(max(indices, default=0) + 1)
+    for series, index in zip(plot.series, indices, strict=True):
+        _draw_series(axes, series, colours[index % len(colours)])
     axes.set_title(plot.title, loc="left", fontweight="bold")
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label)
@@ -77,7 +78,7 @@ def _draw_series(axes: Axes, series: Series, colour: str) -> None:
             marker="D",
             markersize=6,
             markerfacecolor="white",
-            markeredgecolor=colour if series.tint is not None else "black",
+            markeredgecolor=colour if series.colour_index is not None else "black",
             markeredgewidth=1.4,
             label=label,
             zorder=5,
@@ -93,14 +94,16 @@ def _draw_series(axes: Axes, series: Series, colour: str) -> None:
         axes.plot(series.x, series.y, marker="o" if few else "", color=colour, label=label)
 
 
-def _colours(series: Sequence[Series]) -> Sequence[str]:
-    """Distinct colours for a few curves, an ordered scale for many."""
-    tints = [number if one.tint is None else one.tint for number, one in enumerate(series)]
-    most = max(tints, default=0) + 1
-    if most <= len(_FEW):
-        return _FEW
+def _colour_indices(series: Sequence[Series]) -> list[int]:
+    return [n if one.colour_index is None else one.colour_index for n, one in enumerate(series)]
+
+
+def _colours(number: int) -> Sequence[str]:
+    """Return distinct colours for a few curves, and a sequential colour scale for many."""
+    if number <= len(_FEW_COLOURS):
+        return _FEW_COLOURS
     scale = mpl.colormaps["viridis"]
-    return [mpl.colors.to_hex(scale(0.93 * k / (most - 1))) for k in range(most)]
+    return [mpl.colors.to_hex(scale(0.93 * k / (number - 1))) for k in range(number)]
 
 
 def _lowest(series: Sequence[Series]) -> float:

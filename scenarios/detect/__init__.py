@@ -1,1 +1,1 @@
-"""A direction from anybody's events: `flybench detect`."""
+"""Run a detector on a recording of any event camera: `flybench detect`."""

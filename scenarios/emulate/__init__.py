@@ -1,1 +1,1 @@
-"""Events from anybody's pictures: `flybench emulate`."""
+"""Emulate a sensor that looks at a video, images or an array: `flybench emulate`."""

@@ -1,4 +1,4 @@
-"""Pictures to be seen: a video, a folder of images or an array, one frame at a time."""
+"""Read pictures one at a time from a video, a folder of images or an array."""
 
 from __future__ import annotations
 
@@ -18,20 +18,22 @@ from PIL import Image
 
 from scenarios.errors import ScenarioError
 
-IMAGES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm"})
-PIXELS_MAX = 4096 * 4096
-"""Largest picture that is taken (assumed: half a gigabyte while it is turned into light)."""
+IMAGE_ENDINGS = frozenset(
+    {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm"}
+)
+MAX_PIXELS = 4096 * 4096
+"""Largest picture [px] (assumed: its conversion to luminance takes half a gigabyte)."""
 
 
 class Pictures(ABC):
-    """A sequence of pictures; iterate over it for them.
+    """A sequence of pictures; iterate over it to read them.
 
-    Each is (height, width) or (height, width, 3) in red, green, blue, uint8 or uint16 levels, or
-    floating point light in cd/m².
+    A picture is (height, width) or (height, width, 3) grey levels as uint8 or uint16, in the order
+    red, green, blue, or (height, width) floating-point luminance in cd/m².
 
     Attributes:
-        count: how many there should be; 0 where nobody knows.
-        fps: pictures a second, where the file says so.
+        count: number of pictures that the file states; 0 if it is unknown.
+        fps: frames per second that the file states; None if it states none.
     """
 
     count: int = 0
@@ -39,34 +41,34 @@ class Pictures(ABC):
 
     @abstractmethod
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:
-        """The pictures, all of one size.
+        """Yield the pictures, all of one size.
 
         Raises:
-            ScenarioError: one is damaged, or of another size than the first.
+            ScenarioError: a picture is damaged, or its size differs from that of the first.
         """
 
 
 def open_pictures(path: Path) -> Pictures:
-    """A video file, a folder of images in the order of their numbers, or a .npy array.
+    """Open a video, a folder of images (sorted by the numbers in their names) or a .npy array.
 
     Raises:
-        ScenarioError: there are none, and why.
+        ScenarioError: the pictures cannot be read; the message states why.
     """
     if path.is_dir():
         return _Folder(path)
     if not path.is_file():
         raise ScenarioError(
-            f"{path} does not exist; allowed is a video, a folder of images or a .npy array; "
-            "check its name and folder"
+            f"{path} does not exist. Allowed is a video, a folder of images or a .npy array. Check "
+            "its name and folder."
         )
     if path.stat().st_size == 0:
-        raise ScenarioError(f"{path} is empty; copy it again from where it was made")
+        raise ScenarioError(f"{path} is empty. Copy it again from where it was made.")
     if path.suffix.lower() == ".npy":
         return _Array(path)
-    if path.suffix.lower() in IMAGES:
+    if path.suffix.lower() in IMAGE_ENDINGS:
         raise ScenarioError(
-            f"{path} is one image, in which nothing moves; give the folder that holds it and those "
-            "that follow"
+            f"{path} is a single image. Allowed is a folder of images that follow each other. Give "
+            "the folder that contains it."
         )
     return _Video(path)
 
@@ -89,9 +91,9 @@ class _Video(Pictures):
         if not capture.isOpened():
             capture.release()
             raise ScenarioError(
-                f"{self._path} is no video that OpenCV can open; allowed is one of FFmpeg's, such "
-                "as .mp4 or .avi, a folder of images or a .npy array; convert it, or copy it again "
-                "if it is cut"
+                f"{self._path} is not a video that OpenCV can open. Allowed is a video that FFmpeg "
+                "reads, such as .mp4 or .avi, a folder of images or a .npy array. Convert it, or "
+                "copy it again if it is truncated."
             )
         return capture
 
@@ -99,8 +101,8 @@ class _Video(Pictures):
         capture = self._open()
         try:
             while True:
-                there, image = capture.read()
-                if not there:
+                success, image = capture.read()
+                if not success:
                     return
                 yield np.ascontiguousarray(image[..., ::-1] if image.ndim == 3 else image)
         finally:
@@ -110,13 +112,14 @@ class _Video(Pictures):
 class _Folder(Pictures):
     def __init__(self, path: Path) -> None:
         self._files = sorted(
-            (file for file in path.iterdir() if file.suffix.lower() in IMAGES), key=_by_number
+            (file for file in path.iterdir() if file.suffix.lower() in IMAGE_ENDINGS),
+            key=_by_number,
         )
         self.count = len(self._files)
         if not self._files:
             raise ScenarioError(
-                f"the folder {path} holds no image; allowed is {', '.join(sorted(IMAGES))}; name "
-                "the folder that does"
+                f"The folder {path} contains no images. Allowed are the endings "
+                f"{', '.join(sorted(IMAGE_ENDINGS))}. Give the folder that contains the images."
             )
 
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:
@@ -127,7 +130,7 @@ class _Folder(Pictures):
             if image.shape[:2] != shape:
                 raise ScenarioError(
                     f"{file} has {image.shape[1]}x{image.shape[0]} px, and the first image "
-                    f"{shape[1]}x{shape[0]}; allowed is one size; bring them to one"
+                    f"{shape[1]}x{shape[0]} px. All images must have one size. Resize them."
                 )
             yield image
 
@@ -138,17 +141,18 @@ class _Array(Pictures):
             self._array = np.load(path, mmap_mode="r", allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
             raise ScenarioError(
-                f"{path} cannot be read as an array ({error}); write it with numpy.save"
+                f"{path} cannot be read as an array ({error}). Write it with numpy.save."
             ) from error
         array = self._array
         grey_or_colour = array.ndim == 3 or (array.ndim == 4 and array.shape[3] == 3)
-        known = array.dtype in (np.uint8, np.uint16) or array.dtype.kind == "f"
-        light = array.dtype.kind != "f" or array.ndim == 3
-        if not (grey_or_colour and known and light and min(array.shape) > 0):
+        known_dtype = array.dtype in (np.uint8, np.uint16) or array.dtype.kind == "f"
+        valid_luminance = array.dtype.kind != "f" or array.ndim == 3
+        valid = grey_or_colour and known_dtype and valid_luminance and min(array.shape) > 0
+        if not valid:
             raise ScenarioError(
-                f"{path} holds {array.dtype} of shape {array.shape}; allowed is (frames, height, "
-                "width) or (frames, height, width, 3) of uint8 or uint16, or (frames, height, "
-                "width) of floating point light in cd/m²; convert it"
+                f"{path} contains {array.dtype} of shape {array.shape}. Allowed is (frames, "
+                "height, width) or (frames, height, width, 3) of uint8 or uint16, or (frames, "
+                "height, width) of floating-point luminance in cd/m². Convert it."
             )
         _check_size(path, array.shape[2], array.shape[1])
         self.count = len(array)
@@ -159,15 +163,16 @@ class _Array(Pictures):
 
 
 def _by_number(file: Path) -> list[tuple[int, int | str]]:
-    """A key by which frame_10 comes after frame_9."""
+    """Return a sort key by which frame_10 comes after frame_9."""
     parts = re.split(r"(\d+)", file.name)
     return [(1, int(part)) if part.isdigit() else (0, part) for part in parts]
 
 
 def _check_size(path: Path, width: int, height: int) -> None:
-    if width * height > PIXELS_MAX:
+    if width * height > MAX_PIXELS:
         raise ScenarioError(
-            f"{path} has {width}x{height} px; allowed is {PIXELS_MAX:,} in all; make it smaller"
+            f"{path} has {width}x{height} px. Allowed are {MAX_PIXELS:,} pixels in all. Make it "
+            "smaller."
         )
 
 
@@ -178,7 +183,7 @@ def _read(file: Path) -> npt.NDArray[Any]:
         image = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
     if image is None or image.dtype not in (np.uint8, np.uint16):
         raise ScenarioError(
-            f"{file} is no image of 8 or 16 bits that can be read; write it again, or leave it out"
+            f"{file} is not a readable image of 8 or 16 bits. Write it again, or remove it."
         )
     if image.ndim == 2:
         return np.asarray(image)
@@ -186,7 +191,7 @@ def _read(file: Path) -> npt.NDArray[Any]:
 
 
 def _size(file: Path) -> tuple[int, int]:
-    """Width and height that an image's header promises, before memory is taken for it."""
+    """Return width and height from the header of an image, without decoding it."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Image.DecompressionBombWarning)
         try:
@@ -194,6 +199,7 @@ def _size(file: Path) -> tuple[int, int]:
                 width, height = header.size
         except Image.DecompressionBombError as error:
             raise ScenarioError(
-                f"{file} is too large ({error}); allowed is {PIXELS_MAX:,} pixels; make it smaller"
+                f"{file} is too large ({error}). Allowed are {MAX_PIXELS:,} pixels in all. Make it "
+                "smaller."
             ) from error
     return width, height

@@ -1,1 +1,1 @@
-"""The operating envelope of a detector: where it is right, measured on drawn stimuli."""
+"""The operating envelope of a detector: where it is correct, measured on synthetic stimuli."""

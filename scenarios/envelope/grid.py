@@ -1,4 +1,4 @@
-"""Which stimuli make an envelope: speed by noise in full, every other factor against speed."""
+"""The stimuli of an envelope: speed × noise in full, and every other factor against speed."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ LEVELS: dict[str, tuple[Any, ...]] = {
     "surface": tuple(Surface),
     "background": tuple(Background),
 }
-"""Levels of what is changed one factor at a time; each holds the base point's."""
-MOST_POINTS = 1_000_000
+"""Levels of the other factors; each list contains the level of the base point."""
+MAX_POINTS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,15 @@ class Grid:
 
     Attributes:
         speeds_px_s: image speeds [px/s].
-        noises_hz: noise by pixel [Hz].
-        levels: of the other factors, by name of the `Stimulus` field.
-        crossed: factors of which every level is measured at every speed and noise; of the others
-            every level is measured at every speed, at the base point's noise.
-        seeds: how many drawings of each point, from seed 0 on.
+        noises_hz: noise rates per pixel [Hz].
+        levels: levels of the other factors, by name of the `Stimulus` field.
+        crossed: factors whose levels are measured at every speed and noise. The levels of the
+            other factors are measured at every speed, with the noise of the base point.
+        seeds: number of drawings of each point, with seeds from 0.
 
     Raises:
-        ScenarioError: an unknown factor, no level, a value that a stimulus cannot have, or more
-            than a million points.
+        ScenarioError: a factor is unknown, a factor has no level, a value is invalid for a
+            stimulus, or there are more than a million points.
     """
 
     speeds_px_s: tuple[float, ...] = SPEEDS_PX_S
@@ -54,29 +54,32 @@ class Grid:
         for name in self.crossed:
             if name not in self.levels:
                 raise ScenarioError(
-                    f"the factor to cross is {name!r}; allowed is {', '.join(self.levels)}; speed "
-                    "and noise are always crossed"
+                    f"The factor to cross is {name!r}. Allowed is {', '.join(self.levels)}. Speed "
+                    "and noise are always crossed."
                 )
         for name, values in self._axes().items():
             if not values:
-                raise ScenarioError(f"{name} has no level; give one or more, or leave it out")
+                raise ScenarioError(
+                    f"{name} has no level. Allowed is one level or more. Add one, or leave the "
+                    "factor out."
+                )
         if self.seeds < 1:
-            raise ScenarioError(f"seeds is {self.seeds}; allowed is 1 or more; 2 is quick")
+            raise ScenarioError(f"seeds is {self.seeds}. Allowed is 1 or more. The default is 2.")
         number = self.seeds * len(self.speeds_px_s) * len(self.noises_hz)
         number *= math.prod(len(self.levels[name]) for name in self.crossed)
-        if number > MOST_POINTS:
+        if number > MAX_POINTS:
             raise ScenarioError(
-                f"the envelope has {number:,} points; allowed are {MOST_POINTS:,}; cross fewer "
-                "factors, or give fewer levels"
+                f"The envelope has {number:,} points. Allowed are {MAX_POINTS:,}. Cross fewer "
+                "factors, or choose fewer levels."
             )
         self.points()
 
     def points(self) -> list[Stimulus]:
-        """Every stimulus once, seed by seed."""
+        """Return every stimulus once, seed by seed."""
         blocks = [self._block(self.noises_hz, self.crossed)]
         blocks += [self._block((BASE.noise_hz,), (name,)) for name in self.levels]
-        drawn = dict.fromkeys(itertools.chain.from_iterable(blocks))
-        return [replace(point, seed=seed) for seed in range(self.seeds) for point in drawn]
+        unique = dict.fromkeys(itertools.chain.from_iterable(blocks))
+        return [replace(point, seed=seed) for seed in range(self.seeds) for point in unique]
 
     def _axes(self) -> dict[str, tuple[Any, ...]]:
         return {SPEED: self.speeds_px_s, NOISE: self.noises_hz} | self.levels

@@ -1,64 +1,100 @@
-"""One point of the envelope: a stimulus drawn, shown to every method, and judged."""
+"""Show synthetic stimuli to detectors and score the estimates."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import cv2
 import numpy as np
 
 from detector.estimate import Detector, MotionEstimate
-from scenarios.envelope.drawing import Drawn, draw
+from scenarios.envelope.drawing import DrawnStimulus, draw_stimulus
 from scenarios.envelope.stimulus import Stimulus
 from scenarios.pipeline.feeding import feed
-from scenarios.pipeline.scoring import judge
+from scenarios.pipeline.parallel import run_locally
+from scenarios.pipeline.scoring import score_estimates
 from scenarios.pipeline.user_detectors import find_method
 
 CHUNK_US = 10_000
-"""Events are passed in pieces as a camera sends them."""
+"""Length of the chunks in which a detector gets its events, as a camera sends them."""
 Row = dict[str, Any]
 
 
-def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
-    """Show a stimulus to fresh detectors.
+def measure_all(
+    points: Sequence[Stimulus],
+    methods: Sequence[str],
+    *,
+    jobs: int,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> list[Row]:
+    """Measure every point with every method, in processes of one thread each.
 
     Args:
-        stimulus: the point.
+        points: the stimuli.
+        methods: names that `find_method` knows.
+        jobs: number of processes; −1: one per core.
+        progress: function that is called after every point, with the numbers of finished points
+            and of all points.
+
+    Returns:
+        Rows in the order of the points, and for each point in the order of the methods. They do not
+        depend on the number of processes.
+
+    Raises:
+        ScenarioError: the number of processes is out of range.
+    """
+    done: dict[int, list[Row]] = {}
+    results = run_locally(partial(measure, methods=tuple(methods)), points, jobs=jobs)
+    progress(0, len(points))
+    for n, rows in results:
+        done[n] = rows
+        progress(len(done), len(points))
+    return [row for n in range(len(points)) for row in done[n]]
+
+
+def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
+    """Show a stimulus to fresh detectors, and score them.
+
+    Args:
+        stimulus: the stimulus.
         methods: names that `find_method` knows.
 
     Returns:
-        A row a method: its name, the stimulus's fields, and what `judge` finds, with "verdict" for
-        its direction; number of events, and CPU time the detector took [s].
+        One row per method: its name, the fields of the stimulus, all scores of `score_estimates`
+        (with "verdict" for its direction), the number of events, and the CPU time of the detector
+        [s].
 
     Raises:
         MethodError: there is no such method.
     """
-    cv2.setNumThreads(1)  # the other cores have points of their own
-    drawn = draw(stimulus)
+    cv2.setNumThreads(1)  # other processes use the other cores
+    drawn = draw_stimulus(stimulus)
     return [_row(name, drawn) for name in methods]
 
 
-def _row(name: str, drawn: Drawn) -> Row:
+def _row(name: str, drawn: DrawnStimulus) -> Row:
     s = drawn.stimulus
     detector = find_method(name).make(width=s.width, height=s.height)
     start_s = time.process_time()
-    estimates = _watch(detector, drawn)
+    estimates = _feed_all(detector, drawn)
     spent_s = time.process_time() - start_s
-    found = judge(estimates, s.direction, drawn.in_view_us, drawn)
-    found = {"verdict": found.pop("direction")} | found
+    scores = score_estimates(estimates, s.direction, drawn.in_view_us, drawn)
+    scores = {"verdict": scores.pop("direction")} | scores
     events = {"events": int(drawn.events.size), "detector_cpu_s": round(spent_s, 4)}
-    return {"method": name} | asdict(s) | found | events
+    return {"method": name} | asdict(s) | scores | events
 
 
-def _watch(detector: Detector, drawn: Drawn) -> list[MotionEstimate]:
+def _feed_all(detector: Detector, drawn: DrawnStimulus) -> list[MotionEstimate]:
     ends_us = np.append(np.arange(CHUNK_US, drawn.duration_us, CHUNK_US), drawn.duration_us + 1)
     cuts = np.searchsorted(drawn.events["t"], ends_us)
     estimates: list[MotionEstimate] = []
     start = 0
     for end_us, cut in zip(ends_us, cuts, strict=True):
-        estimates += feed(detector, drawn.events[start:cut], until_us=int(end_us), said=estimates)
+        chunk = drawn.events[start:cut]
+        estimates += feed(detector, chunk, until_us=int(end_us), earlier=estimates)
         start = cut
     return estimates

@@ -1,7 +1,4 @@
-"""Pixels that watch the drawn scene: layers painted, thresholds crossed, in compiled code.
-
-Numba notices an edit only in the file of the kernel that Python calls, so all of them live here.
-"""
+"""Event pixels that watch the drawn scene: compositing of layers and threshold crossings."""
 
 from __future__ import annotations
 
@@ -20,99 +17,100 @@ F64 = npt.NDArray[np.float64]
 _SENSOR = SensorConfig()
 THETA_ON, THETA_OFF = _SENSOR.theta_on, _SENSOR.theta_off
 THETA_MISMATCH = _SENSOR.theta_mismatch
-"""The emulator's thresholds [ln luminance]; nothing else of its pixel is modelled here."""
-_LEAST_THETA = 0.02
+"""The emulator's thresholds [ln luminance]; nothing else of its pixel model is used here."""
+_MIN_THETA = 0.02
+"""Lowest threshold of any pixel."""
 
 
-class Canvas:
-    """What the pixels see, and the level at which each fired last.
+class PixelArray:
+    """Pixels with their present log luminance and the level at which each fired last.
 
     Args:
-        ground: (height + 2·margin, width + 2·margin) float32, log luminance of the background.
-        paints: log luminance of the layers from back to front, each (rows, columns) float32.
-        covers: 1 where a layer hides what is behind it, same shapes.
-        margin_px: how far the background reaches beyond the image.
-        rng: of the thresholds' mismatch.
+        background: (height + 2·margin, width + 2·margin) float32, log luminance of the background.
+        textures: log luminance of the layers, from back to front, each (rows, columns) float32.
+        opacities: opacity of the layers, with the shapes of the textures: 1 hides what is behind.
+        margin_px: how far the background extends beyond the image.
+        rng: random generator for the mismatch of the thresholds.
     """
 
     def __init__(
         self,
-        ground: F32,
-        paints: list[F32],
-        covers: list[F32],
+        background: F32,
+        textures: list[F32],
+        opacities: list[F32],
         *,
         margin_px: int,
         rng: np.random.Generator,
     ) -> None:
-        rows, columns = ground.shape[0] - 2 * margin_px, ground.shape[1] - 2 * margin_px
-        self._ground, self._margin = ground, margin_px
+        rows, columns = (size - 2 * margin_px for size in background.shape)
+        self._background, self._margin = background, margin_px
         self._layers = [
-            (np.ascontiguousarray(paint * cover), np.ascontiguousarray(cover))
-            for paint, cover in zip(paints, covers, strict=True)
+            (np.ascontiguousarray(texture * opacity), np.ascontiguousarray(opacity))
+            for texture, opacity in zip(textures, opacities, strict=True)
         ]
         on, off = (
-            np.maximum(theta + THETA_MISMATCH * rng.standard_normal((rows, columns)), _LEAST_THETA)
+            np.maximum(theta + THETA_MISMATCH * rng.standard_normal((rows, columns)), _MIN_THETA)
             for theta in (THETA_ON, THETA_OFF)
         )
         self._theta_on, self._theta_off = on.astype(np.float32), off.astype(np.float32)
-        self._seen = np.zeros((rows, columns), np.float32)
+        self._present = np.zeros((rows, columns), np.float32)
         self._level = np.zeros((rows, columns), np.float32)
 
-    def settle(self, camera_px: F64, corners_px: F64) -> None:
-        """Show the first picture: pixels take it as the level that they fired at.
+    def adapt(self, shift_px: F64, corners_px: F64) -> None:
+        """Show the first image, to which all pixels adapt without an event.
 
         Args:
-            camera_px: (2,) displacement of the background [px].
+            shift_px: (2,) displacement of the background [px].
             corners_px: (layers, 2) upper left corner of each layer [px].
         """
-        self.look(camera_px, corners_px, self._whole, start_us=0.0, step_us=0.0)
-        self._level[:] = self._seen
+        self.step(shift_px, corners_px, self._whole, start_us=0.0, step_us=0.0)
+        self._level[:] = self._present
 
-    def look(
+    def step(
         self,
-        camera_px: F64,
+        shift_px: F64,
         corners_px: F64,
         region: tuple[int, int, int, int],
         *,
         start_us: float,
         step_us: float,
     ) -> Events:
-        """Show the next picture; log luminance goes there in a straight line.
+        """Show the next image; log luminance changes linearly from the previous one.
 
         Args:
-            camera_px: as in `settle`.
-            corners_px: as in `settle`.
-            region: x0, y0, x1, y1, half-open, where anything may have changed [px].
-            start_us: time of the picture before [µs].
-            step_us: time since then [µs].
+            shift_px: (2,) displacement of the background [px].
+            corners_px: (layers, 2) upper left corner of each layer [px].
+            region: x0, y0, x1, y1, half-open, where the image may have changed [px].
+            start_us: time of the previous image [µs].
+            step_us: time since the previous image [µs].
 
         Returns:
-            Events of the step, pixel by pixel, not yet sorted by time.
+            Events of the step, pixel by pixel, not sorted by time.
         """
         x0, y0, x1, y1 = region
         inside = slice(y0, y1), slice(x0, x1)
-        seen, level = self._seen[inside], self._level[inside]
-        now = np.empty_like(seen)
-        _paint_ground(now, self._ground, self._margin, x0, y0, camera_px[0], camera_px[1])
+        before, level = self._present[inside], self._level[inside]
+        now = np.empty_like(before)
+        _draw_background(now, self._background, self._margin, x0, y0, shift_px[0], shift_px[1])
         for layer, (x, y) in zip(self._layers, corners_px, strict=True):
-            _paint_layer(now, layer[0], layer[1], x - x0, y - y0)
+            _draw_layer(now, layer[0], layer[1], x - x0, y - y0)
         on, off = self._theta_on[inside], self._theta_off[inside]
-        events = np.empty(_count(now, level, on, off), EVENT_DTYPE)
-        _fire(events, seen, now, level, on, off, x0, y0, start_us, step_us)
-        seen[:] = now
+        events = np.empty(_count_crossings(now, level, on, off), EVENT_DTYPE)
+        _emit_events(events, before, now, level, on, off, x0, y0, start_us, step_us)
+        before[:] = now
         return events
 
     @property
     def _whole(self) -> tuple[int, int, int, int]:
-        rows, columns = self._seen.shape
+        rows, columns = self._present.shape
         return 0, 0, columns, rows
 
 
 @compiled
-def _paint_ground(
-    now: Any, ground: Any, margin: int, x0: int, y0: int, shift_x: float, shift_y: float
+def _draw_background(
+    now: Any, image: Any, margin: int, x0: int, y0: int, shift_x: float, shift_y: float
 ) -> None:
-    """Fill a region with the background; a pixel is the mean over its area."""
+    """Fill a region with the background; each pixel is the mean over its area."""
     rows, columns = now.shape
     left, top = margin + x0 - shift_x, margin + y0 - shift_y
     j, i = int(np.floor(left)), int(np.floor(top))
@@ -120,17 +118,20 @@ def _paint_ground(
     one = np.float32(1)
     for y in range(rows):
         for x in range(columns):
-            upper = (one - right) * ground[i + y, j + x] + right * ground[i + y, j + x + 1]
-            lower = (one - right) * ground[i + y + 1, j + x] + right * ground[i + y + 1, j + x + 1]
+            upper = (one - right) * image[i + y, j + x] + right * image[i + y, j + x + 1]
+            lower = (one - right) * image[i + y + 1, j + x] + right * image[i + y + 1, j + x + 1]
             now[y, x] = (one - below) * upper + below * lower
 
 
 @compiled
-def _paint_layer(now: Any, paint: Any, cover: Any, left: float, top: float) -> None:
-    """Paint a layer over what is there; each pixel takes the share of its area that it covers."""
-    (rows, columns), (height, width) = now.shape, paint.shape
+def _draw_layer(now: Any, texture: Any, opacity: Any, left: float, top: float) -> None:
+    """Draw a layer over a region, weighted by the share of each pixel's area that it covers.
+
+    `texture` is multiplied by `opacity` already.
+    """
+    (rows, columns), (height, width) = now.shape, texture.shape
     j, i = int(np.floor(left)), int(np.floor(top))
-    # A pixel holds the end of the layer's pixel before and the start of the next.
+    # A pixel overlaps the end of one of the layer's pixels and the start of the next.
     before_x, before_y = np.float32(left - j), np.float32(top - i)
     one = np.float32(1)
     for y in range(max(0, i), min(rows, i + height + 1)):
@@ -145,14 +146,14 @@ def _paint_layer(now: Any, paint: Any, cover: Any, left: float, top: float) -> N
                     u = x - j - dx
                     if 0 <= u < width:
                         share = share_y * (before_x if dx else one - before_x)
-                        colour += share * paint[v, u]
-                        hidden += share * cover[v, u]
+                        colour += share * texture[v, u]
+                        hidden += share * opacity[v, u]
             now[y, x] = colour + (one - hidden) * now[y, x]
 
 
 @compiled
-def _count(now: Any, level: Any, theta_on: Any, theta_off: Any) -> int:
-    """How many thresholds are crossed on the way to `now`."""
+def _count_crossings(now: Any, level: Any, theta_on: Any, theta_off: Any) -> int:
+    """Return the number of thresholds that are crossed on the way to `now`."""
     rows, columns = now.shape
     count = 0
     for y in range(rows):
@@ -164,9 +165,9 @@ def _count(now: Any, level: Any, theta_on: Any, theta_off: Any) -> int:
 
 
 @compiled
-def _fire(
+def _emit_events(
     events: Any,
-    seen: Any,
+    before: Any,
     now: Any,
     level: Any,
     theta_on: Any,
@@ -176,7 +177,7 @@ def _fire(
     start_us: float,
     step_us: float,
 ) -> None:
-    """Write the events of one step, each at the time when its threshold is crossed."""
+    """Write the events of one step, each at the time at which its threshold is crossed."""
     rows, columns = now.shape
     count = 0
     for y in range(rows):
@@ -185,7 +186,7 @@ def _fire(
             theta = theta_on[y, x] if change > 0 else -theta_off[y, x]
             for _ in range(int(abs(change) / abs(theta))):
                 level[y, x] += theta
-                share = (level[y, x] - seen[y, x]) / (now[y, x] - seen[y, x])
+                share = (level[y, x] - before[y, x]) / (now[y, x] - before[y, x])
                 event = events[count]
                 event.t = int(start_us + min(max(share, 0.0), 1.0) * step_us)
                 event.x, event.y, event.p = x0 + x, y0 + y, change > 0

@@ -1,4 +1,4 @@
-"""One drawn stimulus, fully specified: a textured target that crosses a textured background."""
+"""Description of a synthetic stimulus: a textured target crosses a textured background."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scenarios.errors import ScenarioError
 
 
 class Background(StrEnum):
-    """What moves besides the target."""
+    """Motion besides that of the target."""
 
     STILL = "still"
     SHAKE = "shake"
@@ -20,7 +20,7 @@ class Background(StrEnum):
 
 
 class Surface(StrEnum):
-    """What the target is painted with."""
+    """Texture of the target."""
 
     PANELS = "panels"
     SALOON = "saloon"
@@ -38,7 +38,7 @@ _RANGES = {
     "height": Range(4, 4096),
 }
 
-_NAMED: dict[str, type[StrEnum]] = {
+_ENUMERATIONS: dict[str, type[StrEnum]] = {
     "direction": Direction,
     "surface": Surface,
     "background": Background,
@@ -47,29 +47,29 @@ _NAMED: dict[str, type[StrEnum]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stimulus:
-    """What the drawn scene shows, and how noisy the pixels are.
+    """Parameters of a drawn stimulus and of the noise of the pixels.
 
     The defaults are the base point of the envelope, from which one factor at a time is changed.
 
     Attributes:
         speed_px_s: image speed of the target [px/s].
-        noise_hz: Poisson events of either polarity, by pixel [Hz]. 1: between the published 0.1
-            at 161 lux and 10 at 0.1 lux.
-        contrast: standard deviation of the target's log luminance; of a plain one, its height over
-            the street's. Assumed: 0.8, somewhat below the 1.05 measured over the pixels of the
-            simulated car by day.
-        direction: where the target goes in the image.
-        length_px: the target's length along its way; it is two fifths of that high [px]. Assumed:
-            120; the simulated car has 210 at the paper's distance.
-        surface: panels of several sizes all over, a car with few edges, nothing but a rim, or
-            stripes across the way.
-        background: what else moves.
-        seed: of texture, place, background, pixels and noise.
+        noise_hz: rate of Poisson noise events per pixel, of either polarity [Hz]. The default of 1
+            lies between the published 0.1 at 161 lux and 10 at 0.1 lux.
+        contrast: standard deviation of the target's log luminance. For a plain target: its log
+            luminance above the mean of the background. Assumed: 0.8, somewhat below the 1.05
+            measured over the pixels of the simulated car by day.
+        direction: direction of the target in the image.
+        length_px: length of the target along its path [px]; its height is two fifths of that.
+            Assumed: 120; the simulated car has 210 at the paper's distance.
+        surface: texture of the target: panels of several sizes, a saloon car with few edges, plain
+            (only the outline has edges), or stripes across the path.
+        background: motion besides that of the target.
+        seed: seed of texture, position, background, pixels and noise.
         width: sensor columns [px].
         height: sensor rows [px].
 
     Raises:
-        ScenarioError: a value is outside its range or of another kind, or the direction is none.
+        ScenarioError: a value is out of range or has a wrong type, or the direction is none.
     """
 
     speed_px_s: float = 350.0
@@ -85,21 +85,21 @@ class Stimulus:
 
     @property
     def height_px(self) -> int:
-        """The target's extent across its way [px]."""
+        """Extent of the target across its path [px]."""
         return max(2, round(0.4 * self.length_px))
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES, ScenarioError)
-        for name, names in _NAMED.items():
+        for name, names in _ENUMERATIONS.items():
             value = getattr(self, name)
             if not isinstance(value, names):
                 raise ScenarioError(
-                    f"{name} of a drawn stimulus is {value!r}, a {type(value).__name__}; allowed "
-                    f"is a {names.__module__}.{names.__name__}; write "
-                    f"{names.__name__}.{next(iter(names)).name} or another of its members"
+                    f"{name} is {value!r}, a {type(value).__name__}. Allowed is a member of "
+                    f"{names.__module__}.{names.__name__}. Write, for example, "
+                    f"{names.__name__}.{next(iter(names)).name}."
                 )
         if self.direction not in CARDINAL:
             raise ScenarioError(
-                f"the direction of a drawn stimulus is {self.direction.value!r}; allowed is right, "
-                "left, up or down; a target that goes nowhere has no direction to be judged on"
+                f"direction is {self.direction.value!r}. Allowed is right, left, up or down, "
+                "because the target must move. Choose one of these directions."
             )

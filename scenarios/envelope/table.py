@@ -1,4 +1,4 @@
-"""The results of an envelope: means by factor, and the range in which a method holds."""
+"""Statistics of an envelope: means by factor, and the operating range of a method."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from scenarios.envelope.grid import BASE, LEVELS, NOISE, SPEED
 
 Row = dict[str, Any]
 F64 = npt.NDArray[np.float64]
-RIGHT, OPPOSITE, SIDEWAYS, NONE = (
+CORRECT, OPPOSITE, SIDEWAYS, NONE = (
     "accuracy_after_100ms",
     "opposite_after_100ms",
     "sideways_after_100ms",
     "none_after_100ms",
 )
-HOLDS = 0.95
-"""A method holds where this share of its steps is right: what `wide` is asked for."""
+MIN_CORRECT = 0.95
+"""Lowest share of correct steps within the operating range; `wide` was designed for it."""
 
 
 def levels(rows: Sequence[Row], factor: str) -> list[Any]:
-    """Levels of a factor: numbers in ascending order, names in that of measuring."""
+    """Return the levels of a factor: numbers in ascending order, names in the measured order."""
     measured = list(dict.fromkeys(row[factor] for row in rows))
     return measured if any(isinstance(level, str) for level in measured) else sorted(measured)
 
 
-def at_base(rows: Sequence[Row], free: Sequence[str]) -> list[Row]:
-    """Rows in which every factor but the free ones has the base point's level.
+def at_base_point(rows: Sequence[Row], free: Sequence[str]) -> list[Row]:
+    """Return the rows in which all factors except the free ones have the base point's level.
 
-    Where the base point's level was not measured, the factor's first takes its place.
+    If the base point's level of a factor was not measured, its first level is used instead.
     """
     kept = list(rows)
     for name in (SPEED, NOISE, *LEVELS):
@@ -44,8 +44,8 @@ def at_base(rows: Sequence[Row], free: Sequence[str]) -> list[Row]:
     return kept
 
 
-def means(rows: Sequence[Row], x: str, y: str, value: str) -> F64:
-    """Mean of a result over rows, by two factors: (levels of y, levels of x), NaN where none."""
+def mean_by_cell(rows: Sequence[Row], x: str, y: str, value: str) -> F64:
+    """Return the mean of a result by two factors: (levels of y, levels of x); NaN if no row."""
     xs, ys = levels(rows, x), levels(rows, y)
     cells: dict[tuple[Any, Any], list[float]] = {}
     for row in rows:
@@ -54,31 +54,34 @@ def means(rows: Sequence[Row], x: str, y: str, value: str) -> F64:
     return np.array([[fmean(cells.get((b, a), [np.nan])) for a in xs] for b in ys])
 
 
-def worst(rows: Sequence[Row], x: str, y: str, over: str, value: str) -> F64:
-    """As `means`, but of the level of factor `over` at which it is lowest."""
-    maps = [means([r for r in rows if r[over] == o], x, y, value) for o in levels(rows, over)]
+def worst_level(rows: Sequence[Row], x: str, y: str, over: str, value: str) -> F64:
+    """Return the lowest `mean_by_cell` over all levels of the factor `over`."""
+    maps = [
+        mean_by_cell([r for r in rows if r[over] == o], x, y, value) for o in levels(rows, over)
+    ]
     return np.asarray(np.nanmin(maps, axis=0), np.float64)
 
 
-def range_that_holds(rows: Sequence[Row]) -> tuple[float, float] | None:
-    """Slowest and fastest of the longest run of speeds at which a method holds [px/s].
+def operating_range(rows: Sequence[Row]) -> tuple[float, float] | None:
+    """Return the longest range of measured speeds at which enough steps are correct.
 
     Args:
-        rows: of one method, at one point but for speed and seed; levels are averaged.
+        rows: rows of one method that differ in speed, seed and crossed factors; results at one
+            speed are averaged.
 
     Returns:
-        None where it holds at no speed.
+        Lowest and highest speed [px/s]; None if there is no such speed.
     """
     speeds = sorted(levels(rows, SPEED))
-    holds = [_mean([r[RIGHT] for r in rows if r[SPEED] == v]) >= HOLDS for v in speeds]
-    return _longest(speeds, holds)
+    good = [_mean([r[CORRECT] for r in rows if r[SPEED] == v]) >= MIN_CORRECT for v in speeds]
+    return _longest_run(speeds, good)
 
 
-def _longest(speeds: Sequence[float], holds: Sequence[bool]) -> tuple[float, float] | None:
+def _longest_run(speeds: Sequence[float], good: Sequence[bool]) -> tuple[float, float] | None:
     best: list[float] = []
     run: list[float] = []
-    for speed, good in zip(speeds, holds, strict=True):
-        run = [*run, speed] if good else []
+    for speed, is_good in zip(speeds, good, strict=True):
+        run = [*run, speed] if is_good else []
         best = max(best, run, key=len)
     return (best[0], best[-1]) if best else None
 

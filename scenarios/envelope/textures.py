@@ -1,4 +1,4 @@
-"""Log luminance of drawn surfaces: patches of several sizes, as paint, asphalt and leaves have."""
+"""Textures of synthetic stimuli: log luminance in patches of several sizes."""
 
 from __future__ import annotations
 
@@ -9,45 +9,54 @@ import numpy.typing as npt
 F32 = npt.NDArray[np.float32]
 
 TARGET_OCTAVES_PX = (4, 8, 16, 32)
-STREET_OCTAVES_PX = (2, 4, 8, 16, 32)
-LEAF_OCTAVES_PX = (3, 6, 12)
-"""Sides of the patches; each octave has the same share of the contrast, as natural scenes have by
-and large (Field 1987)."""
+BACKGROUND_OCTAVES_PX = (2, 4, 8, 16, 32)
+FOLIAGE_OCTAVES_PX = (3, 6, 12)
+"""Sides of the patches. Each octave contributes equally to the contrast, as in most natural scenes
+(Field 1987)."""
 
 STRIPE_PX = 12
-"""A period of 24 px: what moves by half of it in a detector's delay seems to stand, and what moves
-by more to go back, as a wheel's spokes do in a film (assumed)."""
+"""Width of a stripe; the period is 24 px (assumed). Stripes that move by half a period in a
+detector's delay seem to stand still, and faster ones seem to move backwards, like the spokes of a
+wheel in a film."""
 
 
 def panels(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
-    """A painted surface: sharp-edged panels.
+    """Return a painted surface of sharp-edged panels.
 
     Args:
         shape: (rows, columns) [px].
         contrast: standard deviation of the log luminance.
-        rng: of the patches.
+        rng: random generator for the patches.
 
     Returns:
-        (rows, columns) float32 of mean 0.
+        (rows, columns) float32, with mean 0.
     """
     return _octaves(shape, TARGET_OCTAVES_PX, cv2.INTER_NEAREST, contrast, rng)
 
 
 def stripes(shape: tuple[int, int], *, contrast: float) -> F32:
-    """Stripes across the columns, light and dark, `STRIPE_PX` wide each; see `panels`."""
+    """Return vertical stripes, bright and dark in turn, each `STRIPE_PX` wide.
+
+    Args:
+        shape: (rows, columns) [px].
+        contrast: standard deviation of the log luminance.
+
+    Returns:
+        (rows, columns) float32.
+    """
     row = np.where(np.arange(shape[1]) // STRIPE_PX % 2, -contrast, contrast)
     return np.tile(row.astype(np.float32), (shape[0], 1))
 
 
-def saloon(shape: tuple[int, int], *, contrast: float) -> tuple[F32, F32]:
-    """A car seen from its side, facing right: few edges, as the simulated one has.
+def saloon_car(shape: tuple[int, int], *, contrast: float) -> tuple[F32, F32]:
+    """Return a car in side view, facing right, with as few edges as the simulated one.
 
     Args:
         shape: (rows, columns) [px].
         contrast: standard deviation of the log luminance over the car.
 
     Returns:
-        Log luminance and cover (1 on the car, 0 beside it), both (rows, columns) float32.
+        Log luminance and opacity (1 on the car, 0 elsewhere), both (rows, columns) float32.
     """
     rows, columns = shape
     y, x = ((np.arange(n) + 0.5) / n for n in (rows, columns))
@@ -56,33 +65,41 @@ def saloon(shape: tuple[int, int], *, contrast: float) -> tuple[F32, F32]:
     cabin = (x > 0.2 + slope) & (x < 0.8 - slope) & (y < 0.4)
     glass = (x > 0.24 + slope) & (x < 0.76 - slope) & (y > 0.08) & (y < 0.36)
     body = (y >= 0.4) & (y < 0.88) & (x > 0)
-    paint = np.where(body | cabin, 0.5, 0.0)
-    paint[glass & (abs(x - 0.5) > 0.015)] = -0.9
-    paint[body & (y > 0.8)] = -0.7
-    cover = body | cabin
+    texture = np.where(body | cabin, 0.5, 0.0)
+    texture[glass & (abs(x - 0.5) > 0.015)] = -0.9
+    texture[body & (y > 0.8)] = -0.7
+    opacity = body | cabin
     for hub in (0.2, 0.8):
         away = np.hypot((x - hub) * columns, (y - 0.82) * rows) / (0.18 * rows)
-        paint = np.where(away < 1, np.where(away < 0.55, 0.3, -1.2), paint)
-        cover |= away < 1
-    paint *= contrast / paint[cover].std()
-    return paint.astype(np.float32), cover.astype(np.float32)
+        texture = np.where(away < 1, np.where(away < 0.55, 0.3, -1.2), texture)
+        opacity |= away < 1
+    texture *= contrast / texture[opacity].std()
+    return texture.astype(np.float32), opacity.astype(np.float32)
 
 
-def street(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
-    """A still background without sharp edges; see `panels`."""
-    return _octaves(shape, STREET_OCTAVES_PX, cv2.INTER_CUBIC, contrast, rng)
+def smooth_background(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
+    """Return a background without sharp edges; arguments and result are those of `panels`."""
+    return _octaves(shape, BACKGROUND_OCTAVES_PX, cv2.INTER_CUBIC, contrast, rng)
 
 
-def leaves(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
-    """Foliage: small, sharp-edged patches; see `panels`."""
-    return _octaves(shape, LEAF_OCTAVES_PX, cv2.INTER_NEAREST, contrast, rng)
+def foliage(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
+    """Return small, sharp-edged patches; arguments and result are those of `panels`."""
+    return _octaves(shape, FOLIAGE_OCTAVES_PX, cv2.INTER_NEAREST, contrast, rng)
 
 
-def crown(diameter_px: int, *, rng: np.random.Generator) -> F32:
-    """Cover of a tree's crown: 1 inside a ragged disc, 0 outside, (diameter, diameter) float32."""
+def tree_crown(diameter_px: int, *, rng: np.random.Generator) -> F32:
+    """Return the opacity of a tree's crown: 1 inside a ragged disc, 0 outside.
+
+    Args:
+        diameter_px: diameter of the crown [px].
+        rng: random generator for its edge.
+
+    Returns:
+        (diameter, diameter) float32.
+    """
     ordinate = (np.arange(diameter_px) + 0.5) / diameter_px * 2 - 1
     radius = np.hypot(ordinate[:, None], ordinate)
-    ragged = leaves((diameter_px, diameter_px), contrast=0.15, rng=rng)
+    ragged = foliage((diameter_px, diameter_px), contrast=0.15, rng=rng)
     return np.asarray(radius + ragged < 0.85, np.float32)
 
 

@@ -1,4 +1,4 @@
-"""Where commands keep rendered light, so that the same sequence is drawn once."""
+"""Options of the cache of rendered luminance, so that a sequence is rendered only once."""
 
 from __future__ import annotations
 
@@ -21,30 +21,37 @@ OFF = "off"
 
 @dataclass(frozen=True)
 class CacheOptions:
-    """Where rendered light is kept; another run of the same sequence then renders nothing."""
+    """Cache of rendered luminance. A sequence that is in the cache is not rendered again."""
 
-    cache: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder; where not given $FLYBENCH_CACHE ("off" for none), or flybench in the user's cache."""
+    cache: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR",
+            help_behavior_hint=f"(default: ${VARIABLE}, or flybench in the user's cache folder)",
+        ),
+    ] = None
+    """Folder of the cache. The environment variable FLYBENCH_CACHE=off turns it off."""
     cache_gb: float = LIMIT_BYTES / 1e9
-    """How much may be kept [GB]; what was used longest ago goes first."""
+    """Size limit of the cache [GB], 0 or more; the least recently used entries are removed."""
     no_cache: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Render anew, and keep nothing."""
+    """Render everything and store nothing in the cache."""
 
     def open(self) -> LuminanceCache | None:
-        """The cache that the arguments ask for; None for none.
+        """Return the cache that the options describe; None if it is turned off.
 
         Raises:
-            ScenarioError: a folder is given together with none, or the size is not 0 or more.
+            ScenarioError: both a folder and `no_cache` are given, or the limit is negative or not
+                finite.
         """
         if self.no_cache and self.cache is not None:
             raise ScenarioError(
-                f"--cache is {self.cache} and --no-cache is given too; allowed is one of them; "
-                "leave the other out"
+                f"--cache is {self.cache} and --no-cache is given too. Allowed is one of them. "
+                "Leave the other out."
             )
         if not 0 <= self.cache_gb < math.inf:
             raise ScenarioError(
-                f"--cache-gb is {self.cache_gb:g}; allowed is 0 GB or more; to keep nothing, give "
-                "--no-cache"
+                f"--cache-gb is {self.cache_gb:g}. Allowed is 0 GB or more. To store nothing, give "
+                "--no-cache."
             )
         folder = None if self.no_cache else self.cache or default_folder()
         if folder is None:
@@ -53,14 +60,17 @@ class CacheOptions:
 
 
 def default_folder() -> Path | None:
-    """The folder that the environment names; None where it says "off", or there is no home."""
+    """Return the cache folder that the environment sets; None if it is "off" or there is no home.
+
+    The folder is that of `VARIABLE`, or `flybench` in the user's cache folder.
+    """
     named = os.environ.get(VARIABLE)
     if named == OFF:
         return None
     if named:
         return Path(named)
     base = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    if base.is_absolute():  # as the XDG base directory specification asks
+    if base.is_absolute():  # the XDG base directory specification ignores relative paths
         return base / "flybench"
     try:
         return Path.home() / ".cache" / "flybench"
@@ -68,5 +78,5 @@ def default_folder() -> Path | None:
         return None
 
 
-def _warn(sentence: str) -> None:
-    print(f"flybench: {sentence}", file=sys.stderr)
+def _warn(message: str) -> None:
+    print(f"flybench: {message}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Distractors as options of a command."""
+"""Distractors as command-line options."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from sim import Distractors
 
 
 @dataclass(frozen=True)
-class DistractorOptions(Distractors):  # noqa: D101, since it has that of its parent
+class DistractorOptions(Distractors):  # noqa: D101  (the docstring is that of the base class)
     __doc__ = Distractors.__doc__
 
     def __post_init__(self) -> None:
-        """Leave the checks to `checked`, whose refusals the commands turn into a sentence."""
+        """Skip the checks of the base class; `checked` does them, where commands report errors."""
 
     def checked(self) -> Distractors:
-        """The distractors that the options ask for.
+        """Return the distractors that the options describe.
 
         Raises:
-            SceneConfigError: a value is outside its range.
+            SceneConfigError: a value is out of its range.
         """
         return Distractors(**{item.name: getattr(self, item.name) for item in fields(self)})

@@ -1,4 +1,4 @@
-"""An option given twice: all but the last value would be lost without a word."""
+"""Refuse options that are given more than once; the parser would silently use the last value."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from collections.abc import Collection, Sequence
 
 from scenarios.errors import ScenarioError
 
-TAKES_SEVERAL = frozenset({"--set"})
-"""Options that collect what they are given, in every command that has them."""
+REPEATABLE = frozenset({"--set"})
+"""Options that may be repeated in every command that has them."""
 
 
-def refuse_repetition(arguments: Sequence[str], *, also_several: Collection[str] = ()) -> None:
-    """Refuse an option that is given more than once, and takes one value.
+def check_repetition(arguments: Sequence[str], *, also_repeatable: Collection[str] = ()) -> None:
+    """Check that no option is given more than once, unless it may be repeated.
 
     Args:
-        arguments: of the command line.
-        also_several: further options that may be given several times.
+        arguments: arguments of the command line.
+        also_repeatable: options that may be repeated, besides `REPEATABLE`.
 
     Raises:
-        ScenarioError: one is.
+        ScenarioError: an option is repeated.
     """
     options = [a.partition("=")[0].replace("_", "-") for a in arguments if a.startswith("--")]
-    for option, times in Counter(options).items():
-        if option != "--" and times > 1 and option not in TAKES_SEVERAL.union(also_several):
+    for option, count in Counter(options).items():
+        if option != "--" and count > 1 and option not in REPEATABLE.union(also_repeatable):
             raise ScenarioError(
-                f"{option} is given {times} times; allowed is once, since only the last would "
-                "count; where it takes several values, give them after one another"
+                f"{option} is given {count} times. Allowed is once. If it takes several values, "
+                "give them after one another."
             )

@@ -1,8 +1,8 @@
-"""Which sensor a command takes: a preset, a TOML file on top of it, single values on top of that.
+"""The sensor of a command: a preset, changed by a TOML file, changed by single values.
 
-A file holds what is different about the sensor, by the names of `emulator.SensorConfig`; frames are
-in a table `aps`, the readout in a table `readout`, bias currents, coarse and fine, in a table
-`biases`:
+The file contains the values that differ from the preset, by the names of `emulator.SensorConfig`.
+Values of the frames are in a table `aps`, those of the readout in a table `readout`, bias currents
+as coarse and fine codes in a table `biases`:
 
     preset = "dvs128"
     theta_on = 0.25
@@ -11,8 +11,8 @@ in a table `aps`, the readout in a table `readout`, bias currents, coarse and fi
     [aps]
     shutter = "rolling"
 
-Where `biases` are given, they set thresholds, bandwidths and refractory period together, those of
-the maker where not named; plain numbers come on top of them.
+If there are `biases`, they set thresholds, bandwidths and refractory period together; biases that
+are not named have the manufacturer's values. Plain numbers override what the biases give.
 """
 
 from __future__ import annotations
@@ -45,9 +45,10 @@ DEFAULT: PresetName = "davis346"
 _PRESET, _APS, _READOUT, _BIASES = "preset", "aps", "readout", "biases"
 _BARE_WORD = re.compile(r"[A-Za-z_]\w*")
 _SET_HELP = (
-    "What else is different, such as theta_on=0.25 aps.shutter=rolling. One bias, such as "
-    "biases.on=[6,200], takes thresholds, bandwidths and refractory period from bias currents, all "
-    "of them: those not named are the maker's, not those of the preset"
+    "Sensor parameters that differ from the preset and the file, such as theta_on=0.25 "
+    "aps.shutter=rolling; each name once. If a bias is set, such as biases.on=[6,200] (coarse and "
+    "fine code), thresholds, bandwidths and refractory period are computed from bias currents. "
+    "Biases that are not set then have the manufacturer's values, not those of the preset."
 )
 _Groups = Annotated[
     tuple[tuple[str, ...], ...],
@@ -57,28 +58,39 @@ _Groups = Annotated[
 
 
 def _joined(groups: _Groups = ()) -> tuple[str, ...]:
-    """Values of `--set`, given one after another or with the flag repeated."""
+    """Return the values of `--set` in one tuple, whether or not the flag was repeated."""
     return tuple(value for group in groups for value in group)
 
 
 @dataclass(frozen=True)
 class SensorOptions:
-    """The sensor: a preset, and what is different about it."""
+    """The sensor: a preset and the parameters that differ from it."""
 
-    preset: Annotated[PresetName | None, tyro.conf.arg(metavar="|".join(get_args(PresetName)))] = (
-        None
-    )
-    """Which sensor; davis346 where not given."""
-    config: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """TOML file of what is different: theta_on = 0.25, tables [aps], [readout] and [biases]."""
+    preset: Annotated[
+        PresetName | None,
+        tyro.conf.arg(
+            metavar="|".join(get_args(PresetName)), help_behavior_hint=f"(default: {DEFAULT})"
+        ),
+    ] = None
+    """Preset of the sensor."""
+    config: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="FILE",
+            help="TOML file with sensor parameters that differ from the preset, such as theta_on = "
+            "0.25; parameters of frames and readout in tables [aps] and [readout], bias currents "
+            "in a table [biases].",
+            help_behavior_hint="(default: no file)",
+        ),
+    ] = None
     set: Annotated[tuple[str, ...], tyro.conf.arg(name="", constructor=_joined)] = ()
-    """What else is different: NAME=VALUE, each name once."""
+    """Sensor parameters that differ from preset and file, as NAME=VALUE, each name once."""
 
     def changes(self) -> dict[str, Any]:
-        """What the arguments ask for, as the file would hold it, preset included.
+        """Return preset and parameters in the form of the TOML file.
 
         Raises:
-            ScenarioError: the file cannot be read, an argument is no NAME=VALUE, or a name is
+            ScenarioError: the file cannot be read, an argument is not NAME=VALUE, or a name is
                 given twice.
         """
         merged: dict[str, Any] = {} if self.config is None else _read(self.config)
@@ -90,28 +102,28 @@ class SensorOptions:
             for table in tables:
                 place = place.setdefault(table, {})
                 if not isinstance(place, dict):
-                    raise _no_such(name, table, SensorConfig)
+                    raise _unknown_name(name, table, SensorConfig)
             place[key] = value
         chosen = self.preset or merged.pop(_PRESET, DEFAULT)
         return {**merged, _PRESET: chosen}
 
     def sensor(self) -> SensorConfig:
-        """The sensor that the arguments ask for.
+        """Return the sensor that the options describe.
 
         Raises:
-            ScenarioError: as `changes` does, or a name that a sensor does not have.
-            SensorConfigError: a value is outside its range, or the preset unknown.
+            ScenarioError: the file cannot be read, or an argument or a name is wrong.
+            SensorConfigError: a value is out of its range, or there is no such preset.
         """
         return sensor_of(self.changes())
 
     @property
     def frames(self) -> bool:
-        """Whether the preset's chip has frames."""
+        """True if the chip of the preset records APS frames."""
         return str(self.changes()[_PRESET]) not in WITHOUT_FRAMES
 
     @property
     def name(self) -> str:
-        """The preset, and a digest of what is different, to name a folder by."""
+        """Preset and a digest of all changes, as part of a folder name."""
         changes = self.changes()
         base = str(changes.pop(_PRESET))
         if not changes:
@@ -120,15 +132,15 @@ class SensorOptions:
 
 
 def sensor_of(changes: Mapping[str, Any]) -> SensorConfig:
-    """A preset with changes.
+    """Return the sensor of a preset with some parameters changed.
 
     Args:
-        changes: values by the names of `SensorConfig`; "preset", "aps", "readout" and "biases" as
-            a file has them (see the module).
+        changes: values by the names of `SensorConfig`; "preset", "aps", "readout" and "biases" in
+            the form of the TOML file (see the module docstring).
 
     Raises:
-        ScenarioError: a name that a sensor does not have.
-        SensorConfigError: a value is outside its range, or the preset unknown.
+        ScenarioError: a sensor has no parameter of a name.
+        SensorConfigError: a value is out of its range, or there is no such preset.
     """
     plain = {k: v for k, v in changes.items() if k not in {_PRESET, _APS, _READOUT, _BIASES}}
     _check_names(plain, SensorConfig, "")
@@ -146,8 +158,8 @@ def _biases_of(codes: Mapping[str, Any]) -> Biases:
     for name, pair in codes.items():
         if not isinstance(pair, list | tuple) or len(pair) != 2:
             raise ScenarioError(
-                f"{_BIASES}.{name} is {pair!r}; allowed is a coarse and a fine code; give them as "
-                f"{name} = [5, 255]"
+                f"{_BIASES}.{name} is {pair!r}. Allowed is a coarse and a fine code, such as "
+                f"{name} = [5, 255]."
             )
     return Biases(**{name: _bias(name, *pair) for name, pair in codes.items()})
 
@@ -163,8 +175,8 @@ def _table(changes: Mapping[str, Any], name: str, kind: type) -> Mapping[str, An
     table = changes.get(name, {})
     if not isinstance(table, Mapping):
         raise ScenarioError(
-            f"{name} is {table!r}; allowed is a table of values; give them one by one, such as "
-            f"{name}.{fields(kind)[0].name}"
+            f"{name} is {table!r}. Allowed is a table of values. Give them one by one, such as "
+            f"{name}.{fields(kind)[0].name}."
         )
     _check_names(table, kind, f"{name}.")
     return table
@@ -173,17 +185,17 @@ def _table(changes: Mapping[str, Any], name: str, kind: type) -> Mapping[str, An
 def _check_names(values: Iterable[str], kind: type, prefix: str) -> None:
     for name in values:
         if name not in {field.name for field in fields(kind)}:
-            raise _no_such(prefix + name, name, kind)
+            raise _unknown_name(prefix + name, name, kind)
 
 
-def _no_such(full: str, name: str, kind: type) -> ScenarioError:
+def _unknown_name(full: str, name: str, kind: type) -> ScenarioError:
     allowed = [field.name for field in fields(kind)]
     if kind is SensorConfig:
         allowed += [_PRESET, _BIASES]
     near = get_close_matches(name, allowed, n=1)
-    remedy = f"did you mean {near[0]}?" if near else "correct the name or leave it out"
+    remedy = f"Did you mean {near[0]}?" if near else "Correct the name or leave it out."
     return ScenarioError(
-        f"a sensor has no {full!r}; allowed here is one of {', '.join(allowed)}; {remedy}"
+        f"A sensor has no parameter {full!r}. Allowed is one of {', '.join(allowed)}. {remedy}"
     )
 
 
@@ -191,18 +203,18 @@ def _check_once(names: Sequence[str]) -> None:
     for name in names:
         if names.count(name) > 1:
             raise ScenarioError(
-                f"--set has {name} {names.count(name)} times; allowed is each name once; leave "
-                "all but one out"
+                f"--set has {name} {names.count(name)} times. Allowed is each name once. Leave out "
+                "all but one."
             )
 
 
 def _parsed(argument: str) -> tuple[str, Any]:
-    """Name and value of an argument NAME=VALUE."""
+    """Return name and value of an argument NAME=VALUE."""
     name, equals, text = (part.strip() for part in argument.partition("="))
     if not (name and equals and text):
         raise ScenarioError(
-            f"--set {argument!r} is no NAME=VALUE; allowed is a name and a value of the sensor; "
-            "write it as theta_on=0.25, without blanks"
+            f"--set {argument!r} is not NAME=VALUE. Allowed is the name of a sensor parameter and "
+            "its value, without blanks, such as theta_on=0.25."
         )
     if _BARE_WORD.fullmatch(text) and text not in {"true", "false", "inf", "nan"}:
         return name, text
@@ -210,8 +222,8 @@ def _parsed(argument: str) -> tuple[str, Any]:
         return name, tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         raise ScenarioError(
-            f"--set {argument!r} has a value that cannot be read; allowed is a number, true, "
-            "false, a word or [coarse, fine]; write it as theta_on=0.25"
+            f"--set {argument!r} has a value that cannot be read. Allowed is a number, true, "
+            "false, a word or [coarse, fine], such as theta_on=0.25."
         ) from None
 
 
@@ -220,18 +232,18 @@ def _read(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ScenarioError(
-            f"the sensor's file {path} cannot be read ({error.strerror}); allowed is a TOML file; "
-            "give its path with --config"
+            f"The sensor file {path} cannot be read ({error.strerror}). Give the path of a TOML "
+            "file with --config."
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(
-            f"the sensor's file {path} is no TOML: {error}; allowed are lines such as "
-            "theta_on = 0.25; mend it"
+            f"The sensor file {path} is not valid TOML: {error}. Allowed are lines such as "
+            "theta_on = 0.25. Correct the file."
         ) from error
 
 
 def _sorted(values: Any) -> Any:
-    """Nested tables as nested lists in the order of their names."""
+    """Return nested tables as nested lists, sorted by name."""
     if isinstance(values, Mapping):
         return [(name, _sorted(values[name])) for name in sorted(values)]
     return values

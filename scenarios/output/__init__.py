@@ -1,1 +1,1 @@
-"""What commands write: folders, tables, figures, pages and terminal output."""
+"""Output of the commands: files, folders, tables, figures, HTML pages and the terminal."""

@@ -1,4 +1,4 @@
-"""How figures look, and how they are written: as PNG for slides and as SVG for papers."""
+"""Style of the figures, and writing them as PNG (for slides) and SVG (for papers)."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _STYLE: Any = {
 
 @contextmanager
 def figure_file(path: Path, size_in: tuple[float, float]) -> Iterator[Figure]:
-    """Give a figure to draw on; at the end it is written as `path`.png and `path`.svg.
+    """Yield an empty figure; at the end of the block, write it as `path`.png and `path`.svg.
 
-    The same drawing gives the same bytes: neither file holds the time.
+    Equal drawings give files with equal bytes, because neither file contains a date.
 
     Args:
-        path: without a suffix.
-        size_in: width and height [inch].
+        path: path of the files, without a suffix.
+        size_in: width and height of the figure [inch].
     """
     with mpl.rc_context(rc=_STYLE):
         figure = Figure(figsize=size_in, layout="constrained")

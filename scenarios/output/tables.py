@@ -1,4 +1,4 @@
-"""Truth and estimates as CSV, one row a step."""
+"""Tables of ground truth and estimates as CSV files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ESTIMATE_COLUMNS = ("t_us", "hs", "vs", "direction", "strength", "response_hs", 
 
 
 def truth_row(truth: GroundTruth) -> Sequence[Any]:
-    """Values of `TRUTH_COLUMNS`; empty where the target is not seen."""
+    """Return the values of `TRUTH_COLUMNS`; box and centroid may be empty."""
     box = truth.bounding_box_px or ("",) * 4
     centroid = ("", "") if truth.centroid_px is None else truth.centroid_px.round(3)
     return (
@@ -45,7 +45,7 @@ def truth_row(truth: GroundTruth) -> Sequence[Any]:
 
 
 def estimate_row(estimate: MotionEstimate) -> Sequence[Any]:
-    """Values of `ESTIMATE_COLUMNS`."""
+    """Return the values of `ESTIMATE_COLUMNS`."""
     e = estimate
     return e.t_us, e.hs, e.vs, e.direction.value, e.strength, *e.response
 

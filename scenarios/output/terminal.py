@@ -1,4 +1,4 @@
-"""What the commands show in a terminal while they work, and how they end."""
+"""Run a command from the command line: arguments, progress bars, errors and exit status."""
 
 from __future__ import annotations
 
@@ -14,40 +14,47 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.errors import FlybenchError
-from scenarios.options.repetition import refuse_repetition
+from scenarios.options.repetition import check_repetition
 
 
 class Command(Protocol):
-    """A sub-command: a dataclass of its arguments."""
+    """A sub-command: a dataclass whose fields are the command-line arguments."""
 
     def execute(self) -> int:
-        """Do it; returns the process's exit status."""
+        """Run the command and return the exit status of the process."""
         ...
 
 
-class Bar:
-    """Progress of several sequences, a line each."""
+class ProgressBars:
+    """Progress bars of several sequences, one line each."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
 
     def track(self, name: str) -> Callable[[int, int], None]:
-        """Add a line; the function returned takes the time reached and the whole [µs]."""
+        """Add a bar.
+
+        Args:
+            name: label of the bar.
+
+        Returns:
+            Function that sets the bar from the amount done and the total, such as times in µs.
+        """
         task = self._progress.add_task(name, total=None)
 
-        def advance(done_us: int, total_us: int) -> None:
-            self._progress.update(task, completed=done_us, total=total_us)
+        def advance(done: int, total: int) -> None:
+            self._progress.update(task, completed=done, total=total)
 
         return advance
 
 
 @contextmanager
-def progress_bar(speed_over_s: float = 30.0) -> Iterator[Bar]:
+def progress_bar(speed_over_s: float = 30.0) -> Iterator[ProgressBars]:
     """Show progress bars on standard error while the block runs.
 
     Args:
-        speed_over_s: the time left is told from the speed over so long a time [s]; make it long
-            where steps are.
+        speed_over_s: period over which the speed is averaged to estimate the time left [s]; choose
+            a long period for long steps.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -59,37 +66,44 @@ def progress_bar(speed_over_s: float = 30.0) -> Iterator[Bar]:
     )
     console = Console(stderr=True)
     with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
-        yield Bar(progress)
+        yield ProgressBars(progress)
 
 
 def has_display() -> bool:
-    """Whether a window can be opened here."""
+    """Return True if a window can be opened."""
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def script(command: Any) -> None:
-    """Run a command class from the command line, and end the process with its status."""
+def run_cli(command: Any, *, prog: str | None = None, description: str | None = None) -> None:
+    """Run a command with the arguments of this process, and exit with its status.
+
+    Args:
+        command: class of the command, or a union of classes for sub-commands.
+        prog: name of the program in the help; None: that of the script.
+        description: text above the options in the help; None: the docstring of the class.
+    """
     try:
-        chosen = tyro.cli(command)
-        refuse_repetition(sys.argv[1:], also_several=getattr(chosen, "TAKES_SEVERAL", ()))
-    except FlybenchError as refusal:  # of an argument that checks itself when made
-        print(f"flybench: {refusal}", file=sys.stderr)
+        chosen = tyro.cli(command, prog=prog, description=description)
+        check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
+    except FlybenchError as error:  # raised by arguments that check themselves
+        print(f"flybench: {error}", file=sys.stderr)
         sys.exit(2)
     sys.exit(execute(chosen))
 
 
 def execute(command: Command) -> int:
-    """Run a command; a refusal becomes one sentence on standard error, and status 2.
+    """Run a command and return the exit status of the process.
 
-    Being told to end is taken as an interrupt, so that what was begun is cleaned up.
+    A `FlybenchError` is printed on standard error without a traceback; the status is then 2.
+    SIGTERM and SIGHUP act like Ctrl-C, so that temporary files are removed; the status is then 130.
     """
-    _end_as_if_interrupted()
+    _handle_signals_as_interrupt()
     try:
         return command.execute()
-    except FlybenchError as refusal:
-        print(f"flybench: {refusal}", file=sys.stderr)
+    except FlybenchError as error:
+        print(f"flybench: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _interrupted()
@@ -97,27 +111,27 @@ def execute(command: Command) -> int:
         if not _is_interrupt(error):
             raise
         return _interrupted()
-    except BrokenPipeError:  # whoever read our output has enough; what is left goes nowhere
+    except BrokenPipeError:  # the reader of our output has closed it; discard the rest
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
 
-def _end_as_if_interrupted() -> None:
-    """Take being told to end, and a terminal that closes, as Ctrl-C; but heed nohup."""
+def _handle_signals_as_interrupt() -> None:
+    """Handle SIGTERM and SIGHUP like Ctrl-C, but leave SIGHUP ignored under nohup."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    hang_up = getattr(signal, "SIGHUP", None)  # not on Windows
-    if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
-        signal.signal(hang_up, signal.default_int_handler)
+    hangup = getattr(signal, "SIGHUP", None)  # Windows does not have it
+    if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
+        signal.signal(hangup, signal.default_int_handler)
 
 
 def _interrupted() -> int:
-    with suppress(OSError):  # the terminal may be gone
+    with suppress(OSError):  # the terminal may be closed
         print("flybench: interrupted", file=sys.stderr)
     return 130
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Whether it came of Ctrl-C: one within compiled code comes out of numba as a SystemError."""
+    """Return True if Ctrl-C caused the error: numba turns it into a SystemError."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

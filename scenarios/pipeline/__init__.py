@@ -1,1 +1,1 @@
-"""From luminance to a scored decision: detectors, runs, scores and summaries."""
+"""Everything between luminance and a scored decision: detectors, runs, scores and summaries."""

@@ -1,4 +1,4 @@
-"""An event camera on any MuJoCo model, stepped beside its simulation."""
+"""An event camera for any MuJoCo model, stepped together with its simulation."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from sim import Intrinsics, PhotometricCamera, SceneConfigError
 from sim.render.filament import Luminance
 
 STEP_PX = 0.5
-"""The farthest that anything moves between two samples; as in a crossing, where that was enough."""
+"""Greatest motion between two samples. A crossing uses this value too; it was found sufficient."""
 MAX_STEP_US = 5_000
-"""The longest time between two samples (assumed)."""
-BELIEVABLE_PX = 1.0
-"""Farther than a pixel between samples, and events are in wrong places at wrong times."""
+"""Longest time between two samples (assumed)."""
+MAX_TRAVEL_PX = 1.0
+"""With more motion between two samples, events have wrong positions and times."""
 
 
 class MotionWarning(UserWarning):
-    """Things move too far in the image between two samples of light."""
+    """Something moves too far in the image between two luminance samples."""
 
 
 class EventCamera:
-    """A DAVIS346 in the place of a camera of a MuJoCo model. Use as a context manager.
+    """An event sensor at the position of a camera of a MuJoCo model. Use as a context manager.
 
-    The sensor takes light as ramping from sample to sample, so that samples must follow the motion.
-    They do by themselves: `step` may be called after every step of the physics, and draws the scene
-    only when something has moved by half a pixel since it was last drawn, or 5 ms have passed. How
-    far things move is known from the exact optical flow that follows from the velocities.
+    The sensor interpolates luminance linearly between samples, so samples must be dense enough for
+    the motion. `step` takes care of this: call it after every physics step. It renders the scene
+    only when something has moved by half a pixel since the last rendering, or after 5 ms. The
+    motion in the image is computed exactly, from the velocities in the simulation.
 
     Attributes:
-        intrinsics: size and focal length.
-        samples: how many times the scene was drawn.
-        luminance: (height, width) float32, the last light that was drawn [cd/m²]; None before.
+        intrinsics: size and focal length of the camera.
+        samples: number of times that the scene was rendered.
+        luminance: (height, width) float32, last rendered luminance [cd/m²]; None before the first.
     """
 
     def __init__(
@@ -52,30 +52,30 @@ class EventCamera:
         still: bool = False,
         threads: int = 1,
     ) -> None:
-        """Set up camera and sensor.
+        """Create the camera and the sensor.
 
         Args:
-            model: a `mujoco.MjModel` with at least one light of an intensity; sim/README.md says
-                what makes it physical.
-            camera: name of one of its cameras; its image has the sensor's size.
-            sensor: the sensor; a DAVIS346 with all its noise where None.
-            seed: of everything random.
-            period_us: draw every so often instead of following the motion [µs].
-            step_px: the farthest that anything moves between two samples [px].
-            supersample: rendered pixels per pixel and axis.
-            still: accept a model in which nothing can move.
-            threads: how many share a step of the sensor.
+            model: a `mujoco.MjModel` with at least one light that has an intensity. sim/README.md
+                describes what makes its luminance physical.
+            camera: name of a camera of the model; its image gets the sensor's size.
+            sensor: configuration of the sensor; None: a DAVIS346 with all its noise.
+            seed: seed of everything random.
+            period_us: fixed time between renderings [µs]; None: follow the motion.
+            step_px: greatest motion between two samples [px].
+            supersample: rendered pixels per sensor pixel along each axis.
+            still: True to accept a model in which nothing can move.
+            threads: number of threads for a sensor step.
 
         Raises:
-            ScenarioError: a period or a step that is not positive.
-            SceneConfigError: no such camera, no light, nothing that can move.
-            SensorConfigError: no such sensor, or a seed that is none.
-            RendererError: no Vulkan device.
+            ScenarioError: the period or the step is not positive.
+            SceneConfigError: there is no such camera, no light, or nothing that can move.
+            SensorConfigError: the sensor or the seed is invalid.
+            RendererError: there is no Vulkan device.
         """
         if not step_px > 0 or (period_us is not None and not period_us > 0):
             raise ScenarioError(
-                f"step_px is {step_px} and period_us is {period_us}; allowed is more than 0; "
-                "give pixels such as 0.5, and microseconds such as 1000 or None"
+                f"step_px is {step_px} and period_us is {period_us}. Allowed are numbers above 0. "
+                "Choose, for example, step_px=0.5, and period_us=1000 or None."
             )
         sensor = sensor or SensorConfig()
         self._sensor = EventSensor(sensor, seed=seed, threads=threads)
@@ -91,7 +91,7 @@ class EventCamera:
         self.samples = 0
         self.luminance: Luminance | None = None
         self._period_us, self._step_px = period_us, step_px
-        self._now_us, self._drawn_us, self._moved_px = -1, -1, 0.0
+        self._now_us, self._rendered_us, self._moved_px = -1, -1, 0.0
         self._has_flow = True
 
     def __enter__(self) -> Self:
@@ -101,42 +101,42 @@ class EventCamera:
         self.close()
 
     def close(self) -> None:
-        """Free the device's memory."""
+        """Free the memory of the Vulkan device."""
         self._camera.close()
 
     def step(self, data: Any) -> SensorOutput:
-        """Look at the scene as it now is; the first look is what the sensor settles on.
+        """Observe the scene in its present state. The sensor adapts to the first observation.
 
         Args:
             data: the `mujoco.MjData` of the simulation, later than at the last call; it is not
-                changed. What moves a mocap body has no velocity, and needs a period.
+                changed. Mocap bodies have no velocity, so models with moving ones need `period_us`.
 
         Returns:
-            Events and frames since the scene was last drawn; none where it was not drawn now.
+            Events and frames since the last rendering; none if the scene is not rendered now.
 
         Raises:
-            ScenarioError: time stands still or goes back; or a shape has no triangles, so that its
-                motion is not known, and there is no period.
-            SceneConfigError: the data is of another model.
+            ScenarioError: time has not advanced; or a shape has no triangles, so that its motion is
+                unknown, and there is no `period_us`.
+            SceneConfigError: the data belongs to another model.
         """
         t_us = round(data.time * 1e6)
         if self._now_us >= 0 and t_us <= self._now_us:
             raise ScenarioError(
-                f"the simulation's time is {t_us} µs, and was {self._now_us} µs at the last step; "
-                "allowed is a later one; call step once after each mj_step, and make another "
-                "camera after mj_resetData"
+                f"The simulation time is {t_us} µs, and was {self._now_us} µs at the last step. "
+                "Allowed is a later time. Call step once after each mj_step, and create a new "
+                "camera after mj_resetData."
             )
         before_us, self._now_us = self._now_us, t_us
         if before_us >= 0 and not self._is_due(data, t_us, t_us - before_us):
             return SensorOutput(empty_events(), np.empty(0, np.uint8), ())
         self.luminance = self._camera.luminance(data)
         self.samples += 1
-        self._drawn_us, self._moved_px = t_us, 0.0
+        self._rendered_us, self._moved_px = t_us, 0.0
         return self._sensor.step(t_us, self.luminance)
 
     def _is_due(self, data: Any, t_us: int, step_us: int) -> bool:
-        """Whether to draw; counts how far things have moved."""
-        since_us = t_us - self._drawn_us
+        """Add the motion of this step; return True if the scene must be rendered now."""
+        since_us = t_us - self._rendered_us
         if self._period_us is not None:
             if since_us < self._period_us:
                 return False
@@ -145,11 +145,11 @@ class EventCamera:
         travel_px = self._speed_px_s(data) * step_us * 1e-6
         self._check_motion(travel_px, step_us)
         self._moved_px += travel_px
-        # The next step would take it too far.
+        # Render now, since the next step would exceed a limit.
         return self._moved_px + travel_px > self._step_px or since_us + step_us > MAX_STEP_US
 
     def _speed_px_s(self, data: Any) -> float:
-        """The fastest motion in the image [px/s]; 0 where it cannot be told."""
+        """Return the highest speed in the image [px/s]; 0 if it is unknown."""
         if not self._has_flow:
             return 0.0
         try:
@@ -157,18 +157,19 @@ class EventCamera:
         except SceneConfigError as error:
             if self._period_us is None:
                 raise ScenarioError(
-                    f"how far things move is not known: {error}; or give a period_us, such as 1000"
+                    f"The motion in the image is unknown: {str(error).rstrip('.')}. Or set "
+                    "period_us, for example to 1000."
                 ) from error
             self._has_flow = False
             return 0.0
 
     def _check_motion(self, travel_px: float, step_us: int) -> None:
-        if travel_px > BELIEVABLE_PX:
+        if travel_px > MAX_TRAVEL_PX:
             warnings.warn(
-                f"things move by {travel_px:.1f} px in {step_us} µs, from one sample of light to "
-                f"the next; allowed is {BELIEVABLE_PX:g} px for events to be believed; take a "
+                f"Something moves by {travel_px:.1f} px in {step_us} µs, from one luminance sample "
+                f"to the next. At most {MAX_TRAVEL_PX:g} px gives reliable events. Choose a "
                 "shorter "
-                + ("period_us" if self._period_us is not None else "timestep of the model"),
+                + ("period_us." if self._period_us is not None else "timestep of the model."),
                 MotionWarning,
                 stacklevel=4,
             )

@@ -1,4 +1,4 @@
-"""How a detector is fed: events, then frames, then the time reached; its answers are checked."""
+"""Feed a detector with events and frames, and check the estimates that it returns."""
 
 from __future__ import annotations
 
@@ -26,25 +26,28 @@ def feed(
     *,
     until_us: int,
     frames: Sequence[ApsFrame] = (),
-    said: Sequence[MotionEstimate] = (),
+    earlier: Sequence[MotionEstimate] = (),
 ) -> list[MotionEstimate]:
-    """Pass the next events and frames, and say how far time has come.
+    """Pass the next events and frames to a detector, then advance its time.
 
     Args:
-        detector: any that obeys the protocol.
-        events: the next of the stream.
-        until_us: every event before this was passed [µs].
-        frames: the next of the sensor's; for a `FrameDetector`.
-        said: what it answered before, of which the last is looked at.
+        detector: detector that follows the protocol `detector.Detector`.
+        events: next events of the stream.
+        until_us: time up to which all events have been passed [µs].
+        frames: next APS frames of the sensor; only a `FrameDetector` receives them.
+        earlier: estimates returned by earlier calls; only the last one is used, to check the order.
+
+    Returns:
+        The new estimates, in order of time.
 
     Raises:
-        MethodError: what it answers is no list of estimates, or one of them is no later than the
-            one before, or holds what is no finite number, outside its range, no direction or no
-            box.
+        MethodError: the detector does not return a list of estimates; an estimate is not later
+            than the one before it; or a field is not finite, is out of range, or is not a
+            direction or a box.
     """
     estimates: list[MotionEstimate] = []
     taken = 0
-    if frames and isinstance(detector, FrameDetector):  # to ask a protocol takes 40 µs
+    if frames and isinstance(detector, FrameDetector):  # the protocol check takes 40 µs
         for frame in frames:
             cut = int(np.searchsorted(events["t"], frame.end_us))
             estimates += _checked(detector, "push", detector.push(events[taken:cut]))
@@ -53,7 +56,7 @@ def feed(
             taken = cut
     estimates += _checked(detector, "push", detector.push(events[taken:]))
     estimates += _checked(detector, "advance", detector.advance(until_us))
-    _check_order(detector, [*said[-1:], *estimates])
+    _check_order(detector, [*earlier[-1:], *estimates])
     return estimates
 
 
@@ -67,8 +70,8 @@ def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstim
     kinds = {type(e).__name__ for e in answer} if isinstance(answer, list) else set()
     found = f"a list of {', '.join(sorted(kinds))}" if kinds else type(answer).__name__
     raise MethodError(
-        f"{type(detector).__name__}.{call} returned {found}; allowed is a list of "
-        "detector.estimate.MotionEstimate, empty where none is due"
+        f"{type(detector).__name__}.{call} returned {found}. Allowed is a list of "
+        "detector.MotionEstimate. Return an empty list when no estimate is due."
     )
 
 
@@ -77,13 +80,13 @@ def _check_numbers(detector: Detector, call: str, estimate: MotionEstimate) -> N
         value: Any = getattr(estimate, name)
         try:
             finite = bool(np.isfinite(value).all())
-        except TypeError:  # no numbers at all
+        except TypeError:  # not numeric
             finite = False
         if not finite:
             raise MethodError(
                 f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs "
-                f"whose {name} is {value!r}; allowed are finite numbers; where nothing is seen, "
-                "give 0 and Direction.NONE"
+                f"whose {name} is {value!r}. Allowed are finite numbers. When nothing moves, "
+                "return 0 and Direction.NONE."
             )
 
 
@@ -93,14 +96,14 @@ def _check_ranges(detector: Detector, call: str, estimate: MotionEstimate) -> No
         value: Any = getattr(estimate, name)
         if np.shape(value) != () or not low <= value <= high:
             raise MethodError(
-                f"{found} {name} is {value!r}; allowed is {low} to {high}; bring it there, with "
-                "math.tanh for example"
+                f"{found} {name} is {value!r}. Allowed is a number from {low} to {high}. Limit it "
+                "to this range, for example with math.tanh."
             )
     for name in _PAIRS:
         if np.shape(getattr(estimate, name)) != (2,):
             raise MethodError(
-                f"{found} {name} is {getattr(estimate, name)!r}; allowed are two numbers, one "
-                "along x and one along y"
+                f"{found} {name} is {getattr(estimate, name)!r}. Allowed are two numbers. Return "
+                "one for x and one for y."
             )
 
 
@@ -110,14 +113,14 @@ def _check_kinds(detector: Detector, call: str, estimate: MotionEstimate) -> Non
     if not isinstance(direction, Direction):
         raise MethodError(
             f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose "
-            f"direction is {direction!r}; allowed is a detector.estimate.Direction, such as "
-            "Direction.RIGHT; make one of a word with Direction(word)"
+            f"direction is {direction!r}. Allowed is a detector.Direction, such as "
+            "Direction.RIGHT. Convert a string with Direction(string)."
         )
     if box is not None and not _is_box(box):
         raise MethodError(
             f"{type(detector).__name__}.{call} returned an estimate at {estimate.t_us} µs whose "
-            f"roi_px is {box!r}; allowed is (x0, y0, x1, y1) with 0 ≤ x0 < x1 and 0 ≤ y0 < y1, or "
-            "None where there is no region"
+            f"roi_px is {box!r}. Allowed is (x0, y0, x1, y1) with 0 ≤ x0 < x1 and 0 ≤ y0 < y1. "
+            "Return None if there is no region of interest."
         )
 
 
@@ -133,6 +136,6 @@ def _check_order(detector: Detector, estimates: Sequence[MotionEstimate]) -> Non
         if after.t_us <= before.t_us:
             raise MethodError(
                 f"{type(detector).__name__} returned an estimate at {after.t_us} µs after one at "
-                f"{before.t_us} µs; allowed is a t_us that rises from each to the next; give each "
-                "window's end once, in order"
+                f"{before.t_us} µs. Allowed are estimates whose t_us increases. Return one "
+                "estimate per window, in order of time."
             )

@@ -1,4 +1,4 @@
-"""Many tasks at once: in processes of this machine, or on a Dask cluster."""
+"""Run many tasks in parallel: in processes on this machine, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -16,40 +16,41 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from scenarios.errors import ScenarioError
 
-ONE_A_CORE = -1
-_ANSWER_S = 10
-"""How long to wait for a scheduler, and for its first worker (assumed)."""
+ONE_PER_CORE = -1
+_TIMEOUT_S = 10
+"""Longest wait for a scheduler, and for its first worker (assumed)."""
 T = TypeVar("T")
 R = TypeVar("R")
 
 
 def check_jobs(jobs: int) -> None:
-    """Refuse what is no number of processes.
+    """Check a number of processes.
 
     Raises:
-        ScenarioError: it is none.
+        ScenarioError: the number is out of range.
     """
-    if jobs != ONE_A_CORE and jobs < 1:
+    if jobs != ONE_PER_CORE and jobs < 1:
         raise ScenarioError(
-            f"jobs is {jobs}; allowed is 1 or more, or -1 for one a core; leave it out for that"
+            f"jobs is {jobs}. Allowed is 1 or more, or -1 for one process per core. The default "
+            "is -1."
         )
 
 
-def run_here(
+def run_locally(
     function: Callable[[T], R], tasks: Sequence[T], *, jobs: int
 ) -> Iterator[tuple[int, R]]:
-    """Do tasks in processes of one thread each, and give results as they come.
+    """Run tasks in processes of one thread each, and yield results as they finish.
 
     Args:
-        function: of one task; it and its task go to another process.
-        tasks: any number.
-        jobs: how many processes; −1: one a core.
+        function: function of one task; both are pickled and sent to another process.
+        tasks: the tasks; there may be none.
+        jobs: number of processes; −1: one per core.
 
     Yields:
-        The number of a task, and its result.
+        The index of a task, and its result.
 
     Raises:
-        ScenarioError: that is no number of processes, or one of them ended early.
+        ScenarioError: the number of processes is out of range, or a process was killed.
     """
     check_jobs(jobs)
     parent = os.getpid()
@@ -62,8 +63,8 @@ def run_here(
             yield from results
         except TerminatedWorkerError as error:
             raise ScenarioError(
-                "one of the processes was ended from outside, as happens where memory runs out; "
-                "start again with fewer --jobs"
+                "A worker process was killed, probably because memory ran out. Start again with "
+                "fewer --jobs."
             ) from error
 
 
@@ -75,7 +76,10 @@ def _numbered(parent: int, n: int, function: Callable[[T], R], task: T) -> tuple
 
 @cache
 def _end_with(parent: int) -> None:
-    """End this process once its parent has, were it killed; else it would idle for minutes."""
+    """End this process when its parent ends.
+
+    If the parent is killed, its workers would otherwise stay idle for minutes.
+    """
 
     def watch() -> None:
         while os.getppid() == parent:
@@ -88,37 +92,37 @@ def _end_with(parent: int) -> None:
 def run_on_cluster(
     function: Callable[[T], R], tasks: Sequence[T], *, address: str
 ) -> Iterator[tuple[int, R]]:
-    """Do tasks on a Dask cluster; those of a worker that is lost are done by another.
+    """Run tasks on a Dask cluster. If a worker is lost, another one runs its tasks.
 
     Args:
-        function: of one task, importable on every worker.
-        tasks: any number.
-        address: of the scheduler, such as "tcp://127.0.0.1:8786".
+        function: function of one task, importable on every worker.
+        tasks: the tasks; there may be none.
+        address: address of the scheduler, such as "tcp://127.0.0.1:8786".
 
     Yields:
-        The number of a task, and its result, as they come.
+        The index of a task, and its result, as tasks finish.
 
     Raises:
-        ScenarioError: distributed is not installed, no scheduler answers, there is no worker, or
-            a task ended several workers.
+        ScenarioError: the library distributed is not installed, no scheduler answers, there is no
+            worker, or several workers died while they ran the same task.
     """
     distributed = _distributed()
     with _client(distributed, address) as client:
         work = [pickle.dumps((function, task)) for task in tasks]
-        futures = client.map(_unpacked, work, pure=False)
+        futures = client.map(_run_pickled, work, pure=False)
         number = {future.key: n for n, future in enumerate(futures)}
         done = distributed.as_completed(
             futures, loop=client.loop, with_results=True, raise_errors=False
         )
         for future, result in done:
             if future.status != "finished":
-                raise _lost(distributed, address, result[1])
+                raise _cluster_error(distributed, address, result[1])
             yield number[future.key], result
             future.release()
 
 
-def _unpacked(work: bytes) -> Any:
-    """Do a task; a failure to import what it needs is then the task's, not the worker's."""
+def _run_pickled(work: bytes) -> Any:
+    """Unpickle and run a task, so that a failed import is an error of the task, not the worker."""
     function, task = pickle.loads(work)
     return function(task)
 
@@ -128,7 +132,7 @@ def _distributed() -> Any:
         import distributed
     except ModuleNotFoundError as error:
         raise ScenarioError(
-            f"a Dask cluster needs {error.name}, which is not installed; install it with: "
+            f"A Dask cluster needs {error.name}, which is not installed. Install it with: "
             f"{sys.executable} -m pip install distributed"
         ) from error
     return distributed
@@ -136,34 +140,34 @@ def _distributed() -> Any:
 
 def _client(distributed: Any, address: str) -> Any:
     try:
-        client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
+        client = distributed.Client(address, timeout=_TIMEOUT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ScenarioError(
-            f"no Dask scheduler answers at {address} ({error}); allowed is the address that "
-            "`dask scheduler` prints, such as tcp://127.0.0.1:8786; start one"
+            f"No Dask scheduler answers at {address} ({error}). Allowed is the address that "
+            "`dask scheduler` prints, such as tcp://127.0.0.1:8786. Start a scheduler first."
         ) from error
     try:
-        client.wait_for_workers(1, timeout=_ANSWER_S)
+        client.wait_for_workers(1, timeout=_TIMEOUT_S)
     except TimeoutError as error:
         client.close()
         raise ScenarioError(
-            f"the Dask scheduler at {address} has no worker; allowed is one or more; start one on "
-            f"each machine with: dask worker {address} --nthreads 1 --nworkers auto"
+            f"The Dask scheduler at {address} has no worker. At least one is needed. Start workers "
+            f"on each machine with: dask worker {address} --nthreads 1 --nworkers auto"
         ) from error
     return client
 
 
-def _lost(distributed: Any, address: str, error: BaseException) -> BaseException:
-    """What became of a task without a result, told in a sentence where it was not its own fault."""
+def _cluster_error(distributed: Any, address: str, error: BaseException) -> BaseException:
+    """Return the error to raise for a failed task; faults of the cluster are explained."""
     if isinstance(error, distributed.KilledWorker):
         return ScenarioError(
-            f"several workers of the Dask cluster at {address} ended while they did the same "
-            f"task, as happens where memory runs out ({error}); start again with fewer or larger "
-            "workers"
+            f"Several workers of the Dask cluster at {address} died while they ran the same task, "
+            f"probably because memory ran out ({error}). Start again with fewer workers, or with "
+            "more memory for each."
         )
     if isinstance(error, ModuleNotFoundError):
         return ScenarioError(
-            f"a worker of the Dask cluster at {address} has no module {error.name}; allowed are "
-            "workers on which the same flybench is installed; install it there"
+            f"A worker of the Dask cluster at {address} has no module {error.name}. Every worker "
+            "needs the same flybench. Install it there."
         )
     return error

@@ -1,4 +1,4 @@
-"""The registry of detectors: everything that commands and figures know about each of them.
+"""The registry of built-in detectors: what commands and figures know about each of them.
 
 To add a detector, write its file in `detector/`, add one entry to `DETECTORS`, and test it.
 """
@@ -28,7 +28,7 @@ COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
 
 
 class Family(StrEnum):
-    """Kinds of detectors that the study compares, one panel of the paper's figures each."""
+    """Kinds of detectors that the study compares; each has one panel in the paper's figures."""
 
     EVENT_FLY = "event-driven fly"
     FRAME_FLY = "frame-based fly"
@@ -37,16 +37,16 @@ class Family(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class DetectorEntry:
-    """One detector of ours.
+    """One built-in detector.
 
     Attributes:
         name: name for `--method`, in tables and in file names.
         factory: class of the detector; called with the configuration, width and height.
         config: its parameters, a frozen dataclass.
-        family: the panel of the study's figures that it belongs to.
+        family: kind of detector, and so its panel in the study's figures.
         label: name in figures and tables.
-        colour: colour of its lines, as #rrggbb.
-        marker: matplotlib's letter for its points, so that colour is not the only difference.
+        colour: colour of its curves, as #rrggbb.
+        marker: matplotlib marker of its points, which distinguishes it without colour.
         gives_velocity: True if `MotionEstimate.response` is the image velocity itself [px/s].
         looks_at_frames: True if it needs APS frames.
         in_study: True if `flybench study` runs it by default.
@@ -150,14 +150,14 @@ _ENTRIES = (
 """All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008)."""
 
 DETECTORS: dict[str, DetectorEntry] = {entry.name: entry for entry in _ENTRIES}
-"""All detectors of ours by name, the paper's first."""
+"""All built-in detectors by name; the paper's detector is first."""
 
 
 def gives_velocity(method: str) -> bool:
-    """Return True if a method's responses are image velocities [px/s]; False for a user's class."""
+    """Return True if a method's responses are image velocities [px/s]; False for user classes."""
     return method in DETECTORS and DETECTORS[method].gives_velocity
 
 
 def is_fly(method: str) -> bool:
-    """Return True if a method is the event-driven fly with any of our parameter sets."""
+    """Return True if a method is the event-driven fly, with any of its parameter presets."""
     return method in DETECTORS and DETECTORS[method].family is Family.EVENT_FLY

@@ -1,4 +1,4 @@
-"""One rendering, seen by many sensors: the light is the same for all seeds, the noise is not."""
+"""Show one rendered sequence to many sensors, whose noise differs."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from detector.estimate import MotionEstimate
 from emulator import EventSensor
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import make_detector, note
+from scenarios.pipeline.running import add_truth, make_detector
 from scenarios.pipeline.scoring import Track
 from scenarios.pipeline.summary import EventTally
 from sim import Sample
 
 
 @dataclass
-class Seen:
-    """What one run saw and said.
+class RunResult:
+    """Result of one run.
 
     Attributes:
-        tally: its sensor's events.
-        estimates: all that its detector said.
+        tally: counts of the sensor's events.
+        estimates: all estimates of the detector.
     """
 
     tally: EventTally
@@ -32,44 +32,44 @@ def run_side_by_side(
     configs: Sequence[RunConfig],
     samples: Iterable[Sample],
     progress: Callable[[int], None] = lambda _t_us: None,
-) -> tuple[list[Seen], Track]:
-    """Show the same light to the sensor and the detector of every run, all side by side.
+) -> tuple[list[RunResult], Track]:
+    """Show the same luminance to the sensor and detector of every run, side by side.
 
-    No more than one sample is held, so that a rendering, a cache or drawn light will do alike.
-    Runs whose sensors are the same, with the same seed, share one.
+    Only one sample is held in memory at a time, so that samples may come from the renderer, from
+    the cache or from a synthetic stimulus. Runs with equal sensors and seeds share one sensor.
 
     Args:
-        configs: runs, whose crossings are not looked at.
-        samples: the light, in order of time.
-        progress: told the time reached [µs].
+        configs: configurations of the runs; their crossings are ignored.
+        samples: luminance samples, in order of time.
+        progress: function that is called with the time reached [µs].
 
     Returns:
-        What each run saw, and where the target was.
+        The result of each run, and the track of the target.
     """
     sensors = {(c.sensor, c.seed): EventSensor(c.sensor, seed=c.seed) for c in configs}
     tallies = {key: EventTally() for key in sensors}
-    seen = [Seen(tallies[c.sensor, c.seed]) for c in configs]
+    results = [RunResult(tallies[c.sensor, c.seed]) for c in configs]
     detectors = [make_detector(config) for config in configs]
     track = Track()
     for sample in samples:
-        note(track, sample.truth)
+        add_truth(track, sample.truth)
         outputs = {
             key: sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
             for key, sensor in sensors.items()
         }
         for key, output in outputs.items():
             tallies[key].add(output)
-        for config, detector, one in zip(configs, detectors, seen, strict=True):
+        for config, detector, result in zip(configs, detectors, results, strict=True):
             output = outputs[config.sensor, config.seed]
-            one.estimates += feed(
+            result.estimates += feed(
                 detector,
                 output.events,
                 until_us=sample.t_us + 1,
                 frames=output.aps_frames,
-                said=one.estimates,
+                earlier=result.estimates,
             )
         progress(sample.t_us)
-    return seen, track
+    return results, track
 
 
 def run_repeats(
@@ -78,17 +78,17 @@ def run_repeats(
     seeds: Sequence[int],
     progress: Callable[[int], None] = lambda _t_us: None,
 ) -> tuple[list[list[MotionEstimate]], Track]:
-    """Show the same light to one sensor and one detector a seed; see `run_side_by_side`.
+    """Show the same luminance to one sensor and detector per seed; see `run_side_by_side`.
 
     Args:
-        config: sensor and detector; its own seed is not used.
-        samples: the light, in order of time.
-        seeds: of the sensors.
-        progress: told the time reached [µs].
+        config: configuration of sensor and detector; its own seed is ignored.
+        samples: luminance samples, in order of time.
+        seeds: seeds of the sensors.
+        progress: function that is called with the time reached [µs].
 
     Returns:
-        Estimates by seed, and where the target was.
+        The estimates for each seed, and the track of the target.
     """
     runs = [replace(config, seed=seed) for seed in seeds]
-    seen, track = run_side_by_side(runs, samples, progress)
-    return [one.estimates for one in seen], track
+    results, track = run_side_by_side(runs, samples, progress)
+    return [result.estimates for result in results], track

@@ -1,4 +1,4 @@
-"""One run, fully specified: scene, sensor, detector, seed."""
+"""Complete configuration of one run: scene, sensor, detector and seed."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from sim import CrossingConfig
 
 @dataclass(frozen=True)
 class RunConfig:
-    """Everything that determines a run's result.
+    """Everything that determines the result of a run.
 
     Attributes:
         crossing: the scene and its motion.
-        sensor: the camera.
-        method: name of the detector; see `scenarios.pipeline.registry.find_method`.
-        fly: the fly's parameters; None: those of the method's name, and of a method that is no fly
-            there are none.
-        seed: of everything random, 0 to 2³² − 1.
+        sensor: the event camera.
+        method: name of the detector; see `scenarios.pipeline.user_detectors.find_method`.
+        fly: parameters of the fly. None: the preset of the method. Other detectors have none.
+        seed: seed of everything random, 0 to 2³² − 1.
 
     Raises:
-        ScenarioError: the seed is out of range, or a method that is no fly has a fly's parameters.
+        ScenarioError: the seed is out of range, or a method other than the fly has parameters of
+            the fly.
     """
 
     crossing: CrossingConfig = field(default_factory=CrossingConfig)
@@ -41,37 +41,39 @@ class RunConfig:
             object.__setattr__(self, "fly", self.fly or DETECTORS[self.method].config)
         elif self.fly is not None:
             raise ScenarioError(
-                f"The method is {self.method}, which takes no parameters of the fly. Allowed are "
-                f"they for {' and '.join(filter(is_fly, DETECTORS))}. Leave them out."
+                f"The method is {self.method}, but parameters of the fly are given. Allowed are "
+                f"these parameters for {' and '.join(filter(is_fly, DETECTORS))} only. Leave them "
+                "out."
             )
         if not 0 <= self.seed < 2**32:
             raise ScenarioError(
-                f"seed is {self.seed}; allowed is 0 to {2**32 - 1}; choose one, such as 0"
+                f"seed is {self.seed}. Allowed is a whole number from 0 to {2**32 - 1}. The "
+                "default is 0."
             )
 
     @property
     def name(self) -> str:
-        """A folder name that tells what is in it; a digest stands for whatever else is special."""
+        """Descriptive folder name; a digest stands for all other parameters that are changed."""
         c = self.crossing
         method = "" if self.method == FLY else f"_{self.method.replace(':', '.')}"
-        plain = CrossingConfig(c.lighting, c.omega_rad_s, c.direction)
-        usual = replace(self, crossing=plain, sensor=SensorConfig(), fly=None)
-        special = ""
-        if usual.parameters() != self.parameters():
+        named = CrossingConfig(c.lighting, c.omega_rad_s, c.direction)
+        default = replace(self, crossing=named, sensor=SensorConfig(), fly=None)
+        suffix = ""
+        if default.parameters() != self.parameters():
             digest = hashlib.sha256(repr(sorted(self.parameters().items())).encode()).hexdigest()
-            special = f"_{digest[:8]}"
+            suffix = f"_{digest[:8]}"
         name = f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}"
-        return name + method + special
+        return name + method + suffix
 
     def parameters(self) -> dict[str, object]:
-        """Every parameter by its dotted name, such as "crossing.omega_rad_s"."""
-        return dict(flat(asdict(self) | {"crossing": self.crossing.resolved()}))
+        """Return every parameter by its dotted name, such as "crossing.omega_rad_s"."""
+        return dict(flatten(asdict(self) | {"crossing": self.crossing.resolved()}))
 
 
-def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Values of nested dictionaries by their dotted names."""
+def flatten(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Yield the values of nested dictionaries with their dotted names."""
     for name, value in values.items():
         if isinstance(value, dict):
-            yield from flat(value, f"{prefix}{name}.")
+            yield from flatten(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value

@@ -1,4 +1,4 @@
-"""Light to decision: a crossing, through the sensor, to the detector, step by step."""
+"""Run a crossing through sensor and detector, step by step."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from sim import Crossing, GroundTruth, Intrinsics, LuminanceCache, Sample
 
 @dataclass(frozen=True)
 class Step:
-    """What one sample of light led to.
+    """Results of one luminance sample.
 
     Attributes:
-        sample: the light and the truth.
-        output: what the sensor said since the sample before.
-        estimates: what the detector concluded from it.
+        sample: luminance and ground truth.
+        output: events and frames of the sensor since the previous sample.
+        estimates: estimates of the detector from this output.
     """
 
     sample: Sample
@@ -33,18 +33,22 @@ class Step:
 
 
 TOTAL = "total"
-"""The stage that holds all others."""
+"""Name of the stage that contains all others."""
 
 
 class Stopwatch:
-    """Wall time by stage [s]."""
+    """Wall time by stage [s].
+
+    Attributes:
+        wall_s: wall time spent in each stage so far [s].
+    """
 
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Add the time that the block takes to stage `name`."""
+        """Return a context manager that adds the time of its block to stage `name`."""
         start = time.perf_counter()
         try:
             yield
@@ -53,17 +57,22 @@ class Stopwatch:
 
 
 def make_crossing(config: RunConfig, cache: LuminanceCache | None = None) -> Crossing:
-    """Return the crossing of `config` as its sensor sees it; rendered luminance goes to `cache`."""
+    """Return the crossing of `config`, as its sensor and lens see it.
+
+    Args:
+        config: configuration of the run.
+        cache: cache for rendered luminance; None: no cache.
+    """
     sensor = config.sensor
-    lens = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
-    return Crossing(config.crossing, lens, cache=cache)
+    intrinsics = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
+    return Crossing(config.crossing, intrinsics, cache=cache)
 
 
 def make_detector(config: RunConfig) -> Detector:
-    """A fresh detector of `config`, for a sensor of its size.
+    """Return a fresh detector for the method and the sensor size of `config`.
 
     Raises:
-        MethodError: there is none of that name, or it does not obey the protocol.
+        MethodError: the method does not exist, or does not follow the protocol.
     """
     size = {"width": config.sensor.width, "height": config.sensor.height}
     if config.fly is not None:
@@ -71,8 +80,8 @@ def make_detector(config: RunConfig) -> Detector:
     return find_method(config.method).make(**size)
 
 
-def note(track: Track, truth: GroundTruth) -> None:
-    """Take a sample's truth into a track."""
+def add_truth(track: Track, truth: GroundTruth) -> None:
+    """Add the target's position in a sample to a track."""
     centroid = truth.centroid_px
     point = None if centroid is None else (float(centroid[0]), float(centroid[1]))
     track.add(truth.t_us, truth.bounding_box_px, point)
@@ -81,20 +90,20 @@ def note(track: Track, truth: GroundTruth) -> None:
 def run_steps(
     config: RunConfig, crossing: Crossing, detector: Detector, watch: Stopwatch
 ) -> Iterator[Step]:
-    """Run the stages over a crossing.
+    """Render, emulate and detect, sample by sample.
 
     Args:
-        config: the run.
-        crossing: its scene.
-        detector: a fresh one.
-        watch: takes the time of stages "render", "emulate" and "detect".
+        config: configuration of the run.
+        crossing: scene of the run.
+        detector: fresh detector.
+        watch: stopwatch that takes the time of the stages "render", "emulate" and "detect".
 
     Yields:
-        One step a sample, in order of time.
+        One step per sample, in order of time.
     """
     sensor = EventSensor(config.sensor, seed=config.seed)
     samples = crossing.samples()
-    said: list[MotionEstimate] = []
+    latest: list[MotionEstimate] = []
     while True:
         with watch.stage("render"):
             sample = next(samples, None)
@@ -108,7 +117,7 @@ def run_steps(
                 output.events,
                 until_us=sample.t_us + 1,
                 frames=output.aps_frames,
-                said=said,
+                earlier=latest,
             )
-        said = estimates or said
+        latest = estimates or latest
         yield Step(sample, output, estimates)

@@ -1,4 +1,4 @@
-"""What a detector said over one crossing, against the truth."""
+"""Scores of a detector's estimates over one crossing, against the ground truth."""
 
 from __future__ import annotations
 
@@ -23,76 +23,84 @@ from detector.metrics import (
 from flybench.direction import Direction
 
 SETTLING_US = 100_000
-"""After this long in view a direction is due: two windows of the paper's Δt."""
+"""Time in view after which a detector should have found the direction: two of the paper's Δt."""
 
 
 class Target(Protocol):
-    """Where the target really is."""
+    """Ground truth of where the target is."""
 
     def box_px(self, t_us: int) -> Box | None:
-        """The box of what is seen of it at a time; None where it is out of view."""
+        """Return the bounding box of the visible part at a time; None if it is out of view."""
         ...
 
     def centroid_px(self, t_us: int) -> Point | None:
-        """The middle of what is seen of it at a time; None where it is out of view."""
+        """Return the centroid of the visible part at a time; None if it is out of view."""
         ...
 
 
 @dataclass
 class Track:
-    """A `Target` known at samples: each holds until the next."""
+    """A `Target` that is known at samples; each sample holds until the next one."""
 
     _times_us: list[int] = field(default_factory=list)
     _boxes: list[Box | None] = field(default_factory=list)
     _centroids: list[Point | None] = field(default_factory=list)
 
     def add(self, t_us: int, box: Box | None, centroid: Point | None) -> None:
-        """Take the next sample; None where the target is out of view."""
+        """Add the next sample; box and centroid are None if the target is out of view."""
         self._times_us.append(t_us)
         self._boxes.append(box)
         self._centroids.append(centroid)
 
     @property
     def in_view_us(self) -> tuple[int, int]:
-        """When the target was first and last in view [µs]; (0, 0) where it never was."""
-        seen = [t for t, box in zip(self._times_us, self._boxes, strict=True) if box is not None]
-        return (seen[0], seen[-1]) if seen else (0, 0)
+        """First and last time at which the target is in view [µs]; (0, 0) if it never is."""
+        visible = [t for t, box in zip(self._times_us, self._boxes, strict=True) if box is not None]
+        return (visible[0], visible[-1]) if visible else (0, 0)
 
     def box_px(self, t_us: int) -> Box | None:
-        """See `Target.box_px`; None before the first sample."""
+        """Return the bounding box at a time; None if out of view or before the first sample."""
         n = bisect_right(self._times_us, t_us) - 1
         return None if n < 0 else self._boxes[n]
 
     def centroid_px(self, t_us: int) -> Point | None:
-        """See `Target.centroid_px`; None before the first sample."""
+        """Return the centroid at a time; None if out of view or before the first sample."""
         n = bisect_right(self._times_us, t_us) - 1
         return None if n < 0 else self._centroids[n]
 
 
-def judge(
+def score_estimates(
     estimates: Sequence[MotionEstimate],
     direction: str,
     in_view_us: tuple[int, int],
     target: Target,
 ) -> dict[str, Any]:
-    """What a detector said over a crossing, against the truth.
+    """Compare the estimates of a detector over a crossing with the ground truth.
 
     Args:
-        estimates: all that it said.
-        direction: the true one.
-        in_view_us: when the target was first and last in view [µs].
-        target: where it was.
+        estimates: all estimates of the detector.
+        direction: true direction.
+        in_view_us: first and last time at which the target is in view [µs].
+        target: ground truth of the target's position.
 
     Returns:
-        direction: its verdict over the steps in view; accuracy: share of those whose direction is
-        right; accuracy_after_100ms and the three shares of what else was said then: opposite
-        (the wrong sign), sideways (the wrong axis), none; steps_in_view; latency_ms: from the
-        first pixel in view to the first right step, None where there was none, or where the target
-        is in view from the start (t = 0), since then nobody knows when it entered; roi_iou: overlap
-        of the region of interest with the target's box, mean over the steps after 100 ms, a step
-        without a region as 0, None where no estimate of all names one; centroid_error_px: distance
-        from the view centre to the target's centroid, mean over the same steps; grms: of the
-        response [1/s], see `metrics.grms`.
+        A dictionary of scores. A "step" is one estimate.
+
+        - direction: verdict of the detector over the steps in view.
+        - accuracy: share of the steps in view with the correct direction.
+        - accuracy_after_100ms: the same share, over steps at least 100 ms after the target came
+          into view.
+        - opposite_after_100ms, sideways_after_100ms, none_after_100ms: shares of these steps with
+          the wrong sign, the wrong axis, and no direction.
+        - steps_in_view: number of steps in view.
+        - latency_ms: time from the first visible pixel to the first correct step. None if no step
+          is correct, or if the target is in view from t = 0, when its entry time is unknown.
+        - roi_iou: mean overlap (IoU) of the region of interest with the target's bounding box, over
+          the steps after 100 ms. A step without a region counts as 0. None if no estimate at all
+          has a region.
+        - centroid_error_px: mean distance from the view centre to the target's centroid, over the
+          same steps.
+        - grms: GRMS of the response [1/s]; see `metrics.grms`.
     """
     truth = Direction(direction)
     settled_us = in_view_us[0] + SETTLING_US, in_view_us[1]
@@ -120,7 +128,7 @@ OPPOSITE = {
 
 
 def _mistakes(settled: Sequence[MotionEstimate], truth: Direction) -> dict[str, float | None]:
-    """Shares of the steps that are not right, by how they are wrong."""
+    """Return the shares of incorrect steps by kind of error."""
     kinds = {
         "opposite_after_100ms": {OPPOSITE[truth]},
         "sideways_after_100ms": set(Direction) - {truth, OPPOSITE[truth], Direction.NONE},

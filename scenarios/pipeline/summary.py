@@ -1,4 +1,4 @@
-"""A run in numbers: what `summary.json` and the closing table say."""
+"""Summary of a run, for `summary.json` and for the table that the command prints."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ import numpy.typing as npt
 from detector.estimate import MotionEstimate
 from emulator import SensorOutput
 from flybench.events import Cause
-from scenarios.output.folder import GENERATOR
+from scenarios.output.atomic_folder import GENERATOR
 from scenarios.pipeline.registry import is_fly
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.scoring import Track, score_estimates
 from sim import Crossing
 from sim.render.vulkan import vulkan_devices
 
@@ -34,21 +34,21 @@ _LIBRARIES = (
 
 @dataclass
 class EventTally:
-    """Counts events as they come."""
+    """Counts of events by polarity and cause."""
 
     on: int = 0
     off: int = 0
     by_cause: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(len(Cause), np.int64))
 
     def add(self, output: SensorOutput) -> None:
-        """Count one step's events."""
+        """Add the events of one sensor step."""
         on = int(np.count_nonzero(output.events["p"]))
         self.on += on
         self.off += output.events.size - on
         self.by_cause += np.bincount(output.causes, minlength=len(Cause))
 
     def summary(self) -> dict[str, Any]:
-        """Counts by polarity and by cause."""
+        """Return the counts by polarity and by cause."""
         causes = {cause.name.lower(): int(self.by_cause[cause]) for cause in Cause}
         return {"count": self.on + self.off, "on": self.on, "off": self.off, "by_cause": causes}
 
@@ -60,18 +60,18 @@ def summarise(
     estimates: Sequence[MotionEstimate],
     track: Track,
 ) -> dict[str, Any]:
-    """Everything about a run that is not an array, ready for JSON, but for its wall time.
+    """Return everything about a run that is not an array, ready for JSON, except its wall time.
 
-    What the detector achieved is under "detector", and under "fly" too where it is one.
+    The detector's scores are under "detector", and also under "fly" if the detector is the fly.
 
     Args:
-        config: the run.
-        crossing: its scene.
-        tally: its events.
-        estimates: all that the detector said.
-        track: where the target was.
+        config: configuration of the run.
+        crossing: scene of the run.
+        tally: counts of its events.
+        estimates: all estimates of the detector.
+        track: ground truth of the target's position.
     """
-    verdict = {"method": config.method} | judge(
+    scores = {"method": config.method} | score_estimates(
         estimates, config.crossing.direction, track.in_view_us, track
     )
     return {
@@ -82,19 +82,19 @@ def summarise(
         "devices": [f"{device.name}: {device.driver}" for device in vulkan_devices()],
         "truth": truth_summary(config, crossing, track.in_view_us),
         "events": tally.summary(),
-        "detector": verdict,
-    } | ({"fly": verdict} if is_fly(config.method) else {})
+        "detector": scores,
+    } | ({"fly": scores} if is_fly(config.method) else {})
 
 
 def versions() -> dict[str, str]:
-    """Of Python, and of what a result depends on."""
+    """Return the versions of Python and of the libraries that a result depends on."""
     return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
 
 
 def truth_summary(
     config: RunConfig, crossing: Crossing, in_view_us: tuple[int, int]
 ) -> dict[str, Any]:
-    """The target's motion, and when it was first and last in view."""
+    """Return the target's motion, and the first and last time at which it is in view."""
     c = config.crossing
     speed_m_s = crossing.trajectory.speed_m_s(0.0)
     return {

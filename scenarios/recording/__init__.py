@@ -1,4 +1,4 @@
-"""One Rerun recording a sequence: light, events, what each method makes of them, what is true."""
+"""Rerun recordings: preview, events, frames, ground truth, and the estimates of each method."""
 
 from scenarios.recording.file_recorder import FileRecorder
 from scenarios.recording.recorder import Recorder

@@ -1,4 +1,4 @@
-"""Small things that change over time, kept a while and written as one column an entity."""
+"""Buffer for small values that change over time, written as one column per entity."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ Point = tuple[float, float]
 
 
 def time_column(t_us: npt.ArrayLike) -> rr.TimeColumn:
-    """Times in µs as the recording's index."""
+    """Return times in µs as the index of the recording."""
     return rr.TimeColumn(TIMELINE, duration=np.asarray(t_us, np.int64).astype("timedelta64[us]"))
 
 
 class ColumnBuffer:
-    """Rows by entity; a row costs some hundred bytes.
+    """Rows by entity, until they are sent; a row takes about a hundred bytes.
 
     Attributes:
-        rows: how many are waiting.
+        rows: number of rows in the buffer.
     """
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class ColumnBuffer:
         self._poses: defaultdict[str, list[BodyPose]] = defaultdict(list)
 
     def scalar(self, path: str, t_us: int, value: float) -> None:
-        """Add a value to a curve."""
+        """Add one value to a curve."""
         self.rows += 1
         self._times[path].append(t_us)
         self._scalars[path].append(value)
@@ -57,19 +57,19 @@ class ColumnBuffer:
         self._scalars[path].extend(values.tolist())
 
     def box(self, path: str, t_us: int, box: Box | None) -> None:
-        """Show a box from now on; None: none."""
+        """Show a box from this time on; None: show none."""
         self.rows += 1
         self._times[path].append(t_us)
         self._boxes[path].append(box)
 
     def point(self, path: str, t_us: int, point: Point | None) -> None:
-        """Show a point from now on; None: none."""
+        """Show a point from this time on; None: show none."""
         self.rows += 1
         self._times[path].append(t_us)
         self._points[path].append(point)
 
     def state(self, path: str, t_us: int, state: str) -> None:
-        """Enter a state; "" is none; what goes on without a change makes no row."""
+        """Enter a state; "" means none. A state that does not change adds no row."""
         if self._last_states.get(path) != state:
             self._last_states[path] = state
             self.rows += 1
@@ -77,20 +77,20 @@ class ColumnBuffer:
             self._states[path].append(state)
 
     def pose(self, path: str, t_us: int, pose: BodyPose) -> None:
-        """Put a body somewhere."""
+        """Set the pose of a body from this time on."""
         self.rows += 1
         self._times[path].append(t_us)
         self._poses[path].append(pose)
 
     def send(self, stream: rr.RecordingStream) -> None:
-        """Write all that waits."""
+        """Write all rows to the stream, and empty the buffer."""
         for path, values in self._scalars.items():
             self._send(stream, path, rr.Scalars.columns(scalars=values))
         for path, boxes in self._boxes.items():
             self._send(stream, path, _box_columns(boxes))
         for path, points in self._points.items():
-            found, lengths = _present(points)
-            positions = np.array(found, np.float32).reshape(-1, 2)
+            present, lengths = _present(points)
+            positions = np.array(present, np.float32).reshape(-1, 2)
             columns = rr.Points2D.columns(positions=positions).partition(lengths)
             self._send(stream, path, columns)
         for path, states in self._states.items():
@@ -110,13 +110,13 @@ class ColumnBuffer:
 
 
 def _box_columns(boxes: Sequence[Box | None]) -> rr.ComponentColumnList:
-    found, lengths = _present(boxes)
-    corners = np.array(found, np.float32).reshape(-1, 2, 2)
+    present, lengths = _present(boxes)
+    corners = np.array(present, np.float32).reshape(-1, 2, 2)
     return rr.Boxes2D.columns(
         centers=corners.mean(axis=1), half_sizes=(corners[:, 1] - corners[:, 0]) / 2
     ).partition(lengths)
 
 
 def _present(rows: Sequence[tuple[float, ...] | None]) -> tuple[list[tuple[float, ...]], list[int]]:
-    """Those that are there, and how many each row has: 1 or 0."""
+    """Return the values that are not None, and the number of values in each row, 1 or 0."""
     return [row for row in rows if row is not None], [row is not None for row in rows]

@@ -1,4 +1,4 @@
-"""Where things lie in a recording, and how they look."""
+"""Entity paths, colours and names in a recording."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Final
 import rerun as rr
 
 TIMELINE: Final = "time"
-"""The one time line: time since the start of the sequence."""
+"""Name of the only time line: time since the start of the sequence."""
 
 WORLD: Final = "world"
 STREET: Final = f"{WORLD}/street"
 CAMERA: Final = f"{WORLD}/camera"
-"""A pinhole; all below it is in image coordinates, sensor pixels, (0, 0) the outer corner."""
+"""A pinhole camera. Entities below it are in sensor pixels; (0, 0) is the outer corner."""
 PREVIEW: Final = f"{CAMERA}/preview"
 APS: Final = f"{CAMERA}/aps"
 EVENTS: Final = f"{CAMERA}/events"
@@ -22,13 +22,13 @@ TRUTH_MASK: Final = f"{TRUTH}/mask"
 TRUTH_BOX: Final = f"{TRUTH}/box"
 PREVIEW_BOX: Final = f"{TRUTH}/preview_box"
 PREVIEW_CENTROID: Final = f"{TRUTH}/preview_centroid"
-"""Mask, box and centroid at the moments of the preview, which comes less often than the truth."""
+"""Mask, box and centroid at the times of the preview, which has a lower rate than the truth."""
 METHODS: Final = f"{CAMERA}/methods"
-"""What each method attends to and sees, by its name; see `paths_of`."""
+"""Regions, view centres and maps of each method; see `paths_of`."""
 
 DIRECTION: Final = "direction"
 TRUE_DIRECTION: Final = f"{DIRECTION}/0_truth"
-"""The viewer sorts lanes by their paths, so they are numbered: the truth first."""
+"""The viewer sorts lanes by path, so paths are numbered; the truth is first."""
 RESPONSE: Final = "response"
 HS: Final = f"{RESPONSE}/hs"
 VS: Final = f"{RESPONSE}/vs"
@@ -46,14 +46,20 @@ RATE_NOISE: Final = f"{RATE}/noise"
 
 @dataclass(frozen=True)
 class MethodPaths:
-    """Where one method's words and maps lie.
+    """Entity paths of one method.
 
     Attributes:
-        direction: what it decides; a lane.
-        hs, vs: its normalised responses; curves.
-        velocity_x, velocity_y: its image velocity [px/s], of a method that gives one; curves.
-        roi, view_centre: what it attends to, in the image.
-        on, off, motion, saliency: a fly's maps; `motion` in the order of `FlyMaps.motion`.
+        direction: lane of the estimated direction.
+        hs: curve of the normalised horizontal response.
+        vs: curve of the normalised vertical response.
+        velocity_x: curve of the image velocity [px/s], for a method that gives velocities.
+        velocity_y: curve of the vertical image velocity [px/s].
+        roi: region of interest, in the image.
+        view_centre: view centre, in the image.
+        on: map of a fly's ON surface.
+        off: map of a fly's OFF surface.
+        motion: a fly's motion maps, in the order of `FlyMaps.motion`.
+        saliency: a fly's saliency map.
     """
 
     direction: str
@@ -70,21 +76,26 @@ class MethodPaths:
 
 
 def paths_of(method: str, number: int) -> MethodPaths:
-    """Paths of the method of a name, the `number`-th of a recording, counted from 0."""
+    """Return the entity paths of a method.
+
+    Args:
+        method: name of the method.
+        number: its index in the recording, from 0.
+    """
     part = rr.escape_entity_path_part(method)
-    seen = f"{METHODS}/{part}"
+    images = f"{METHODS}/{part}"
     return MethodPaths(
         direction=f"{DIRECTION}/{number + 1}_{part}",
         hs=f"{HS}/{part}",
         vs=f"{VS}/{part}",
         velocity_x=f"{IMAGE_VELOCITY_X}/{part}",
         velocity_y=f"{IMAGE_VELOCITY_Y}/{part}",
-        roi=f"{seen}/roi",
-        view_centre=f"{seen}/view_centre",
-        on=f"{seen}/on",
-        off=f"{seen}/off",
-        motion=tuple(f"{seen}/motion/{name}" for name in ("right", "left", "up", "down")),
-        saliency=f"{seen}/saliency",
+        roi=f"{images}/roi",
+        view_centre=f"{images}/view_centre",
+        on=f"{images}/on",
+        off=f"{images}/off",
+        motion=tuple(f"{images}/motion/{name}" for name in ("right", "left", "up", "down")),
+        saliency=f"{images}/saliency",
     )
 
 
@@ -92,7 +103,7 @@ Rgb = tuple[int, int, int]
 
 ON_RGB: Final[Rgb] = (255, 84, 72)
 OFF_RGB: Final[Rgb] = (46, 214, 150)
-"""The paper's red and green, of unequal lightness, so that the colour-blind tell them apart."""
+"""The paper's red and green, with different lightness for colour-blind readers."""
 NOISE_RGB: Final[Rgb] = (150, 150, 160)
 TRUTH_RGB: Final[Rgb] = (255, 214, 64)
 METHOD_RGB: Final[tuple[Rgb, ...]] = (
@@ -103,18 +114,18 @@ METHOD_RGB: Final[tuple[Rgb, ...]] = (
     (255, 120, 190),
     (170, 200, 90),
 )
-"""Of the methods of a recording, in turn: told apart from the truth, ON and OFF (by eye)."""
+"""Colours of the methods, in turn; they differ from those of truth, ON and OFF (by eye)."""
 VERTICAL_RGB: Final[Rgb] = (205, 140, 255)
-"""Of the vertical axis, where both are in one plot."""
+"""Colour of the vertical axis if both axes are in one plot."""
 DIRECTION_RGB: Final[dict[str, Rgb]] = {
     "right": (38, 110, 180),
     "left": (178, 100, 32),
     "up": (120, 80, 170),
     "down": (52, 130, 84),
 }
-"""Backgrounds of the direction lanes, dark enough for white letters."""
+"""Backgrounds of the direction lanes, dark enough for white text."""
 ARROW: Final = {"right": "→", "left": "←", "up": "↑", "down": "↓"}
 COLORMAP: Final = "inferno"
-"""Of the fly's maps: black where nothing is."""
+"""Colour map of the fly's maps, in which 0 is black."""
 NOISE_DIMMING: Final = 0.55
-"""An event that noise made has its polarity's colour, this much as bright (by eye)."""
+"""Brightness of noise events, relative to the colour of their polarity (by eye)."""

@@ -1,4 +1,4 @@
-"""Events gathered into whole milliseconds, the rows that a recording shows them in."""
+"""Group events into milliseconds, which are the rows of a recording."""
 
 from __future__ import annotations
 
@@ -10,21 +10,23 @@ import numpy.typing as npt
 from flybench.events import Cause, Events, joined
 
 BATCH_US = 1_000
-"""One row a millisecond: a row an event costs five times the space and the time (measured)."""
+"""Duration of a row; one row per event would take five times the space and time (measured)."""
 
 I64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class EventBatches:
-    """Events of whole milliseconds, each batch with one event or more.
+    """Events in batches of one millisecond; no batch is empty.
 
     Attributes:
-        t_us: (batches,) end of each millisecond, by which all of its events have happened [µs].
-        lengths: (batches,) events in each.
-        positions_px: (events, 2) float32, middles of the pixels; x right, y down.
+        t_us: (batches,) end of each millisecond [µs].
+        lengths: (batches,) number of events in each batch.
+        positions_px: (events, 2) float32, pixel centres; x right, y down.
         class_ids: (events,) uint16, see `class_id`.
-        on, off, noise: (batches,) ON and OFF events, and those of either that noise made.
+        on: (batches,) number of ON events.
+        off: (batches,) number of OFF events.
+        noise: (batches,) number of noise events of either polarity.
     """
 
     t_us: I64
@@ -37,12 +39,12 @@ class EventBatches:
 
 
 def class_id(cause: int, *, on: bool) -> int:
-    """Number of a polarity and cause: 2·cause + polarity, so signal is 0 for OFF and 1 for ON."""
+    """Return the class 2·cause + polarity of an event; signal events have 0 (OFF) and 1 (ON)."""
     return 2 * cause + on
 
 
-def batch(events: Events, causes: npt.NDArray[np.uint8]) -> EventBatches:
-    """Cut a sorted stream into milliseconds.
+def batch_events(events: Events, causes: npt.NDArray[np.uint8]) -> EventBatches:
+    """Split a sorted stream into milliseconds.
 
     Args:
         events: (n,) of `EVENT_DTYPE`, sorted by t.
@@ -68,22 +70,22 @@ def batch(events: Events, causes: npt.NDArray[np.uint8]) -> EventBatches:
 
 
 def _count(flags: npt.NDArray[np.bool_], starts: I64) -> I64:
-    """How many are true from each start to the next."""
+    """Return the number of true flags from each start to the next."""
     if not starts.size:
         return np.empty(0, np.int64)
     return np.add.reduceat(flags, starts, dtype=np.int64)
 
 
 class EventBuffer:
-    """Keeps events until their millisecond is complete and enough of them have come together."""
+    """Buffer that returns complete milliseconds when it holds enough events."""
 
-    def __init__(self, *, enough: int = 65_536) -> None:
-        """Start empty.
+    def __init__(self, *, chunk_events: int = 65_536) -> None:
+        """Create an empty buffer.
 
         Args:
-            enough: events that are worth a chunk in the file (assumed: some 1 MB).
+            chunk_events: number of events to collect for a chunk of the file (assumed: about 1 MB).
         """
-        self._enough = enough
+        self._chunk_events = chunk_events
         self._events: list[Events] = []
         self._causes: list[npt.NDArray[np.uint8]] = []
         self._count = 0
@@ -91,32 +93,33 @@ class EventBuffer:
     def push(
         self, events: Events, causes: npt.NDArray[np.uint8] | None = None
     ) -> EventBatches | None:
-        """Take the next events of the stream.
+        """Add the next events of the stream.
 
         Args:
-            events: (n,) of `EVENT_DTYPE`, sorted by t, none before those passed earlier.
-            causes: (n,) the `Cause` of each; None: all are the signal's.
+            events: (n,) of `EVENT_DTYPE`, sorted by t, none earlier than those added before.
+            causes: (n,) `Cause` of each event; None: all are signal.
 
         Returns:
-            Batches of the milliseconds that are over, once there are enough events.
+            Batches of the complete milliseconds if there are enough events, otherwise None.
         """
         self._events.append(events)
         self._causes.append(np.zeros(events.size, np.uint8) if causes is None else causes)
         self._count += events.size
-        if self._count < self._enough:
+        if self._count < self._chunk_events:
             return None
-        return self._take(whole=True)
+        return self._take(keep_last=True)
 
     def flush(self) -> EventBatches | None:
-        """Batches of all that is left."""
-        return self._take(whole=False) if self._count else None
+        """Return batches of all remaining events; None if there are none."""
+        return self._take(keep_last=False) if self._count else None
 
-    def _take(self, *, whole: bool) -> EventBatches | None:
+    def _take(self, *, keep_last: bool) -> EventBatches | None:
+        """Remove and return events; the last millisecond may be incomplete and stay."""
         events, causes = joined(self._events), np.concatenate(self._causes)
         last_us = int(events["t"][-1])
-        until = (
-            np.searchsorted(events["t"], last_us // BATCH_US * BATCH_US) if whole else events.size
-        )
+        until = events.size
+        if keep_last:
+            until = int(np.searchsorted(events["t"], last_us // BATCH_US * BATCH_US))
         self._events, self._causes = [events[until:].copy()], [causes[until:].copy()]
-        self._count = events.size - int(until)
-        return batch(events[:until], causes[:until]) if until else None
+        self._count = events.size - until
+        return batch_events(events[:until], causes[:until]) if until else None

@@ -1,4 +1,4 @@
-"""Records what a detector makes of events from a file: no light, no scene, no truth."""
+"""Record the estimates of a detector for events from a file, without scene or ground truth."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from pathlib import Path
 
 from scenarios.recording import entities as at
 from scenarios.recording.blueprint import stream_blueprint
-from scenarios.recording.stage import log_marks
+from scenarios.recording.static_content import log_styles
 from scenarios.recording.stream_recorder import StreamRecorder
 
 
 class FileRecorder(StreamRecorder):
-    """The recording of a stream from a sensor of any size, seen by one method."""
+    """Recording of a stream from a sensor of any size, with the estimates of one method."""
 
     def __init__(
         self,
@@ -27,18 +27,18 @@ class FileRecorder(StreamRecorder):
         parameters: Mapping[str, object],
         start_us: int = 0,
     ) -> None:
-        """Begin the file.
+        """Create the file.
 
         Args:
-            path: the .rrd file; one that exists is replaced.
+            path: path of the .rrd file; an existing file is replaced.
             width: sensor columns [px].
             height: sensor rows [px].
-            method: whose estimates are logged.
-            has_maps: whether they come with a fly's maps.
-            has_frames: whether there are APS frames.
-            name: what the viewer calls the recording.
-            parameters: shown with it, by name; see `log_parameters`.
-            start_us: from when on the event rate is shown [µs].
+            method: name of the method whose estimates are logged.
+            has_maps: True if the method has a fly's maps.
+            has_frames: True if there are APS frames.
+            name: name of the recording in the viewer.
+            parameters: parameters to show with the recording; see `log_parameters`.
+            start_us: time from which the event rate is shown [µs].
 
         Raises:
             OSError: the file cannot be written.
@@ -55,4 +55,4 @@ class FileRecorder(StreamRecorder):
             start_us=start_us,
             knows_noise=False,
         )
-        log_marks(self._stream, paths)
+        log_styles(self._stream, paths)

@@ -1,4 +1,4 @@
-"""Writes a run to one Rerun file, on one time line, as the run goes on."""
+"""Record a run and its ground truth in one Rerun file."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import rerun as rr
 from scenarios.pipeline.registry import FLY
 from scenarios.recording import entities as at
 from scenarios.recording.blueprint import blueprint
-from scenarios.recording.stage import body_path, log_stage
+from scenarios.recording.static_content import body_path, log_static_content
 from scenarios.recording.stream_recorder import StreamRecorder, check_methods
 from sim import Crossing, GroundTruth
 from sim.truth.body_meshes import MovingBodies
 
 
 class Recorder(StreamRecorder):
-    """The recording of a crossing, with its truth."""
+    """Recording of a crossing with its ground truth."""
 
     def __init__(
         self,
@@ -31,23 +31,23 @@ class Recorder(StreamRecorder):
         name: str | None = None,
         one_of_several: bool = False,
     ) -> None:
-        """Begin the file with all that does not change with time.
+        """Create the file and write everything that does not change with time.
 
         Args:
-            path: the .rrd file; one that exists is replaced.
-            crossing: what is recorded.
-            parameters: of the run, by name; see `log_parameters`.
-            methods: names of all whose estimates are logged, in the order in which they are shown;
-                there may be none.
-            maps_of: which of them comes with a fly's maps; the view has a place for these, and
-                shows what this one attends to. None: none does, and the first one's attention is
-                shown.
-            name: what the viewer calls the recording; None: light, speed and direction.
-            one_of_several: whether others are opened with it; the viewer then lists them.
+            path: path of the .rrd file; an existing file is replaced.
+            crossing: crossing that is recorded.
+            parameters: parameters of the run, by name; see `log_parameters`.
+            methods: names of the methods whose estimates are logged, in the order of display; there
+                may be none.
+            maps_of: name of the method that has a fly's maps. The layout shows these maps, and the
+                region of this method. None: no method has maps, and the region of the first method
+                is shown.
+            name: name of the recording in the viewer; None: lighting, speed and direction.
+            one_of_several: True if other recordings are opened with it; the viewer then lists them.
 
         Raises:
             OSError: the file cannot be written.
-            ScenarioError: a method is there twice, or `maps_of` is none of them.
+            ScenarioError: a method is named twice, or `maps_of` is not one of the methods.
         """
         check_methods(methods, maps_of)
         paths = {method: at.paths_of(method, n) for n, method in enumerate(methods)}
@@ -60,19 +60,24 @@ class Recorder(StreamRecorder):
         )
         self._crossing = crossing
         self._bodies = MovingBodies(crossing.scene)
-        log_stage(self._stream, crossing, paths)
+        log_static_content(self._stream, crossing, paths)
 
     def close(self, end_us: int = 0) -> None:
-        """Write what is still in memory, and end the file."""
+        """Write everything that is still in memory, and close the file.
+
+        Args:
+            end_us: time until which the event rate is shown, at least to the end of the crossing
+                [µs].
+        """
         super().close(max(end_us, self._crossing.duration_us))
 
     def log_preview(self, jpeg: bytes, truth: GroundTruth, *, scale: float) -> None:
-        """Show a colour picture, and the target in it, from the time of `truth` on.
+        """Show a colour preview and the true target from the time of `truth` on.
 
         Args:
-            jpeg: the picture, of the whole image.
-            truth: of the same moment.
-            scale: the picture's pixels per sensor pixel and axis, the same for all.
+            jpeg: preview of the whole image.
+            truth: ground truth at the same time.
+            scale: preview pixels per sensor pixel along each axis; equal for all previews.
         """
         t_us, columns, centroid = truth.t_us, self._columns, truth.centroid_px
         self._scale(at.PREVIEW, 1 / scale)
@@ -82,7 +87,7 @@ class Recorder(StreamRecorder):
         columns.point(at.PREVIEW_CENTROID, t_us, None if centroid is None else tuple(centroid))
 
     def log_truth(self, truth: GroundTruth) -> None:
-        """Show the target: its box, its place in the 3-D scene, its direction and its velocity."""
+        """Show the true box, direction, velocities and poses."""
         t_us, columns = truth.t_us, self._columns
         columns.box(at.TRUTH_BOX, t_us, truth.bounding_box_px)
         columns.state(at.TRUE_DIRECTION, t_us, truth.direction if truth.in_view else "")
@@ -94,6 +99,6 @@ class Recorder(StreamRecorder):
 
 
 def recording_name(crossing: Crossing) -> str:
-    """What the viewer calls a recording of a crossing, such as "day, 1.61 rad/s, right"."""
+    """Return the name of a recording in the viewer, such as "day, 1.61 rad/s, right"."""
     c = crossing.config
     return f"{c.lighting}, {c.omega_rad_s:g} rad/s, {c.direction}"

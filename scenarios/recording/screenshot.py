@@ -1,4 +1,4 @@
-"""A picture of a recording, taken by a Rerun viewer that needs no display."""
+"""Take a screenshot of a recording with a Rerun viewer that needs no display."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from scenarios.errors import ScenarioError
 from scenarios.recording.entities import TIMELINE
 
 HOST = "127.0.0.1"
-PATIENCE_S = 60.0
-"""How long the viewer may take to start, or to load (assumed: far more than it needs)."""
+TIMEOUT_S = 60.0
+"""Longest time for the viewer to start or to load (assumed: far more than it needs)."""
 POLL_S = 0.1
-GREETING_PICTURES = 8
-"""The viewer shows its port in front of all else until it has painted so often (measured: 5
-pictures at most); sleeping does not help, since its clock stands still meanwhile."""
+DISCARDED_SCREENSHOTS = 8
+"""The viewer shows a message with its port until it has drawn a few frames (measured: at most 5).
+Waiting does not help, because its clock only advances when it draws."""
 
-_PANELS_AWAY = (
+_HIDE_PANELS = (
     "ui.toggle_top_panel",
     "ui.expand_blueprint_panel",
     "ui.toggle_blueprint_panel",
 )
-"""Leave the views alone in the picture; the left panel is open in some recordings only."""
+"""Commands that hide all panels; the left panel is open in some recordings only."""
 
 NO_VIEWER = (
-    "the Rerun viewer does not run here, probably for want of a Vulkan driver; flybench doctor "
-    "tells what is missing"
+    "The Rerun viewer does not run on this machine, probably because it has no Vulkan driver. "
+    "`flybench doctor` shows what is missing."
 )
 
 
 class ScreenshotError(ScenarioError):
-    """The viewer does not run here, or cannot show the recording."""
+    """The viewer does not run on this machine, or cannot show the recording."""
 
 
 def screenshot(
@@ -50,27 +50,27 @@ def screenshot(
     at_s: float | None = None,
     size_px: tuple[int, int] = (1920, 1080),
 ) -> None:
-    """Write a picture of what the viewer shows at a time.
+    """Write a screenshot of a recording at a given time.
 
     Args:
-        recording: an .rrd file.
-        png: where to; one that exists is replaced.
-        at_s: time since the start of the sequence [s]; None: half way.
+        recording: path of an .rrd file.
+        png: path of the image; an existing file is replaced.
+        at_s: time since the start of the sequence [s]; None: half of the duration.
         size_px: width and height of the viewer [px].
 
     Raises:
-        ScreenshotError: there is no such recording or no folder for the picture, `at_s` is outside
-            of the recording, or no viewer runs here.
+        ScreenshotError: the recording or the folder of the image does not exist, `at_s` is outside
+            the recording, or the viewer does not run on this machine.
     """
     if not recording.is_file():
         raise ScreenshotError(
-            f"the recording {recording} is no file; allowed is an .rrd file; make one with "
-            "flybench run"
+            f"The recording {recording} is not a file. Allowed is an .rrd file. Create one with "
+            "flybench run."
         )
     if not png.absolute().parent.is_dir():
         raise ScreenshotError(
-            f"the picture {png} is to be in a folder that is not there; allowed is one that is; "
-            "make it first"
+            f"The folder of the screenshot {png} does not exist. Allowed is an existing folder. "
+            "Create it first."
         )
     with _viewer(size_px) as viewer:
         viewer.open(str(recording.absolute()))
@@ -78,30 +78,30 @@ def screenshot(
         at_ns = (start_ns + end_ns) / 2 if at_s is None else at_s * 1e9
         if not start_ns <= at_ns <= end_ns:
             raise ScreenshotError(
-                f"the time is {at_s} s; allowed is {start_ns * 1e-9:g} to {end_ns * 1e-9:g} s in "
-                f"{recording}; choose another or leave it out"
+                f"The time is {at_s} s. Allowed is {start_ns * 1e-9:g} to {end_ns * 1e-9:g} s in "
+                f"{recording}. Choose another time, or leave it out."
             )
         viewer.set_time(TIMELINE, duration=np.timedelta64(round(at_ns), "ns"), play_state="paused")
-        for command in _PANELS_AWAY:
+        for command in _HIDE_PANELS:
             viewer.run_command(command)
-        png.write_bytes(_settled_picture(viewer))
+        png.write_bytes(_stable_screenshot(viewer))
 
 
-def _settled_picture(viewer: ViewerClient) -> bytes:
-    """A PNG, taken when the greeting is gone and the images are decoded."""
-    pictures = [viewer.take_screenshot() for _ in range(GREETING_PICTURES)]
-    deadline = time.monotonic() + PATIENCE_S
-    while pictures[-1] != pictures[-2] and time.monotonic() < deadline:
+def _stable_screenshot(viewer: ViewerClient) -> bytes:
+    """Return a PNG taken after the first message is gone and all images are decoded."""
+    images = [viewer.take_screenshot() for _ in range(DISCARDED_SCREENSHOTS)]
+    deadline = time.monotonic() + TIMEOUT_S
+    while images[-1] != images[-2] and time.monotonic() < deadline:
         time.sleep(POLL_S)
-        pictures.append(viewer.take_screenshot())
-    return pictures[-1]
+        images.append(viewer.take_screenshot())
+    return images[-1]
 
 
 @contextmanager
 def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
-    """A viewer without a window, which ends with the block.
+    """Start a viewer without a window, and stop it at the end of the block.
 
-    It is started as a command, since the library's own way to start one listens to the network.
+    It is started as a command, because the library's own function listens on the network.
     """
     port = _free_port()
     process = subprocess.Popen(
@@ -109,14 +109,14 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
             *(sys.executable, "-m", "rerun_cli", "--headless", "--hide-welcome-screen"),
             *("--bind", HOST, "--port", str(port), "--window-size", "{}x{}".format(*size_px)),
         ],
-        # Fewer messages, since the viewer shows them in front of what is to be seen.
+        # The viewer shows log messages in front of the views, so only errors are logged.
         env={**os.environ, "RERUN_APP_ONLY": "true", "RUST_LOG": "error"},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
     try:
-        _wait_for(process, port)
+        _wait_for_port(process, port)
         yield ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
     except ConnectionError as error:
         raise ScreenshotError(NO_VIEWER) from error
@@ -132,8 +132,8 @@ def _free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def _wait_for(process: subprocess.Popen[bytes], port: int) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+def _wait_for_port(process: subprocess.Popen[bytes], port: int) -> None:
+    deadline = time.monotonic() + TIMEOUT_S
     while process.poll() is None and time.monotonic() < deadline:
         try:
             socket.create_connection((HOST, port), timeout=1.0).close()
@@ -145,8 +145,8 @@ def _wait_for(process: subprocess.Popen[bytes], port: int) -> None:
 
 
 def _time_range(viewer: ViewerClient, recording: Path) -> tuple[int, int]:
-    """First and last time on the time line [ns], once all is loaded."""
-    deadline = time.monotonic() + PATIENCE_S
+    """Wait until the recording is loaded, and return its first and last time [ns]."""
+    deadline = time.monotonic() + TIMEOUT_S
     while time.monotonic() < deadline:
         state = viewer.get_state()
         for timeline in (t for r in state.recordings for t in r.timelines):
@@ -156,6 +156,6 @@ def _time_range(viewer: ViewerClient, recording: Path) -> tuple[int, int]:
                 return timeline.start, timeline.end
         time.sleep(POLL_S)
     raise ScreenshotError(
-        f"the viewer found no time line {TIMELINE!r} in {recording}; allowed is a recording that "
-        "flybench run wrote, whole; run it again"
+        f"The viewer found no time line {TIMELINE!r} in {recording}. Allowed is a complete "
+        "recording of flybench. Run the command again."
     )

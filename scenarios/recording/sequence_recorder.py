@@ -1,4 +1,4 @@
-"""Records a sequence sample by sample: events always, pictures and truth at their own pace."""
+"""Record a sequence sample by sample: all events, and previews and truth at lower rates."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from sim import Crossing, Sample, preview_jpegs
 from sim.preview import PREVIEW_SCALE
 
 PREVIEW_PERIOD_US = 50_000
-"""How often the colour picture comes: twice a second at a tenth of the speed (assumed)."""
+"""Time between colour previews (assumed): two per second when played at a tenth of the speed."""
 TRUTH_PERIOD_US = 10_000
-"""How often the truth comes in curves, events and the 3-D scene (assumed)."""
+"""Time between samples of the ground truth, in curves, events and 3-D scene (assumed)."""
 
 
 class SequenceRecorder:
-    """A `Recorder` that draws the colour picture too; use it as a context manager."""
+    """A `Recorder` that also renders the colour previews; use it as a context manager."""
 
     def __init__(
         self,
@@ -33,15 +33,15 @@ class SequenceRecorder:
         name: str | None = None,
         one_of_several: bool = False,
     ) -> None:
-        """Begin the file; see `Recorder`.
+        """Create the file; the arguments are those of `Recorder`.
 
         Raises:
             RendererError: this machine cannot render.
             OSError: the file cannot be written.
-            ScenarioError: a method is there twice, or `maps_of` is none of them.
+            ScenarioError: a method is named twice, or `maps_of` is not one of the methods.
         """
         times_us = range(0, crossing.duration_us + 1, PREVIEW_PERIOD_US)
-        self._pictures = dict(enumerate(preview_jpegs(crossing, times_us)))
+        self._previews = dict(enumerate(preview_jpegs(crossing, times_us)))
         self._recorder = Recorder(
             path,
             crossing=crossing,
@@ -60,11 +60,11 @@ class SequenceRecorder:
         self._recorder.close()
 
     def log(self, sample: Sample, output: SensorOutput) -> None:
-        """Record a sample of light, and what the sensor said since the one before.
+        """Record a luminance sample, and the sensor's output since the previous one.
 
         Args:
-            sample: the next one, in order of time.
-            output: the sensor's, up to its time.
+            sample: next sample, in order of time.
+            output: output of the sensor up to the time of the sample.
         """
         self._recorder.log_events(output.events, output.causes)
         for frame in output.aps_frames:
@@ -72,12 +72,12 @@ class SequenceRecorder:
         if sample.t_us >= self._truth_due_us:
             self._recorder.log_truth(sample.truth)
             self._truth_due_us = sample.t_us + TRUTH_PERIOD_US
-        jpeg = self._pictures.pop(sample.t_us // PREVIEW_PERIOD_US, None)
+        jpeg = self._previews.pop(sample.t_us // PREVIEW_PERIOD_US, None)
         if jpeg is not None:
             self._recorder.log_preview(jpeg, sample.truth, scale=PREVIEW_SCALE)
 
     def log_estimate(
         self, method: str, estimate: MotionEstimate, maps: FlyMaps | None = None
     ) -> None:
-        """Record what a method said; see `Recorder.log_estimate`."""
+        """Record an estimate of a method; see `Recorder.log_estimate`."""
         self._recorder.log_estimate(method, estimate, maps)

@@ -1,4 +1,4 @@
-"""What every recording has: events, frames and estimates, on one time line, as they come."""
+"""Base of all recordings: events, frames and estimates on one time line, as they arrive."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ from scenarios.pipeline.registry import gives_velocity
 from scenarios.recording import entities as at
 from scenarios.recording.column_buffer import ColumnBuffer, time_column
 from scenarios.recording.event_batches import BATCH_US, EventBatches, EventBuffer
-from scenarios.recording.stage import log_parameters, log_static
+from scenarios.recording.static_content import log_parameters, log_static
 
 APPLICATION = "flybench"
 BRIGHTEST_SHARE = 0.995
-"""Cells up to this share have a colour of their own; the few that are brighter look alike."""
-MOST_ROWS = 200_000
-"""Rows of small things that are kept before they are written (assumed: some 20 MB)."""
-LONGEST_ZEROS_US = 10_000_000
-"""A longer quiet has no row a millisecond in the event rate, but one at either end."""
+"""Quantile of a map's values that gets the brightest colour; the few values above it share it."""
+MAX_ROWS = 200_000
+"""Rows of small values that are kept in memory before they are written (assumed: about 20 MB)."""
+MAX_ZEROS_US = 10_000_000
+"""Longest time without events that gets one row per millisecond in the event rate; longer ones get
+one row at each end."""
 
 
 class StreamRecorder:
-    """One recording; use it as a context manager, so that all of it is written.
+    """One recording. Use it as a context manager, so that everything is written.
 
-    It keeps at most `MOST_ROWS` rows in memory, however long the stream is.
+    It keeps at most `MAX_ROWS` rows in memory, however long the stream is.
     """
 
     def __init__(
@@ -49,16 +50,17 @@ class StreamRecorder:
         start_us: int = 0,
         knows_noise: bool = True,
     ) -> None:
-        """Begin the file.
+        """Create the file.
 
         Args:
-            path: the .rrd file; one that exists is replaced.
-            view: how it looks when it is opened.
-            name: what the viewer calls it.
-            parameters: by name; see `log_parameters`.
-            methods: where the estimates of each go.
-            start_us: from when on the event rate is shown [µs].
-            knows_noise: whether causes are known, so that the noise has a rate of its own.
+            path: path of the .rrd file; an existing file is replaced.
+            view: default layout in the viewer.
+            name: name of the recording in the viewer.
+            parameters: parameters by name; see `log_parameters`.
+            methods: entity paths of each method, by name.
+            start_us: time from which the event rate is shown [µs].
+            knows_noise: True if the causes of events are known; noise then gets its own curve in
+                the event rate.
 
         Raises:
             OSError: the file cannot be written.
@@ -85,10 +87,10 @@ class StreamRecorder:
         self.close()
 
     def close(self, end_us: int = 0) -> None:
-        """Write what is still in memory, and end the file.
+        """Write everything that is still in memory, and close the file.
 
         Args:
-            end_us: until when the event rate is shown, if no event is later [µs].
+            end_us: time until which the event rate is shown, if no event is later [µs].
         """
         self._send_events(self._events.flush())
         self._log_no_events(end_us + BATCH_US)
@@ -103,30 +105,30 @@ class StreamRecorder:
         """Add the next events of the stream.
 
         Args:
-            events: (n,) of `EVENT_DTYPE`, sorted by t, none before those logged earlier.
-            causes: (n,) the `Cause` of each; None: all are the signal's.
+            events: (n,) of `EVENT_DTYPE`, sorted by t, none earlier than those logged before.
+            causes: (n,) `Cause` of each event; None: all are signal.
         """
         self._send_events(self._events.push(events, causes))
 
     def log_aps(self, frame: ApsFrame) -> None:
-        """Show an APS frame, in raw levels [DN], from the end of its exposure on."""
+        """Show an APS frame, in raw DN, from the end of its exposure on."""
         self._log(at.APS, frame.end_us, rr.Image(frame.image))
 
     def log_estimate(
         self, method: str, estimate: MotionEstimate, maps: FlyMaps | None = None
     ) -> None:
-        """Show what a method concluded at the end of a window.
+        """Show an estimate of a method.
 
         Args:
-            method: its name, one of the recording's.
-            estimate: what it said; of each method in order of time, of several in any.
-            maps: the fly's maps that led to it, where it has some.
+            method: name of one of the recording's methods.
+            estimate: the estimate. Estimates of one method must be in order of time.
+            maps: the fly's maps at this estimate; None: no maps.
         """
         t_us, columns, paths = estimate.t_us, self._columns, self._methods[method]
         columns.scalar(paths.hs, t_us, estimate.hs)
         columns.scalar(paths.vs, t_us, estimate.vs)
-        none = estimate.direction is Direction.NONE
-        columns.state(paths.direction, t_us, "" if none else estimate.direction)
+        is_none = estimate.direction is Direction.NONE
+        columns.state(paths.direction, t_us, "" if is_none else estimate.direction)
         columns.box(paths.roi, t_us, estimate.roi_px)
         columns.point(paths.view_centre, t_us, estimate.view_centre_px)
         if gives_velocity(method):
@@ -136,12 +138,12 @@ class StreamRecorder:
             self._log_maps(t_us, maps.cell_px, {paths.on: maps.on, paths.off: maps.off})
             self._log_maps(t_us, maps.cell_px, dict(zip(paths.motion, maps.motion, strict=True)))
             self._log_maps(t_us, maps.cell_px, {paths.saliency: maps.saliency})
-        self._make_room()
+        self._send_full_buffer()
 
     def _log_maps(
         self, t_us: int, cell_px: int, maps: Mapping[str, npt.NDArray[np.float32]]
     ) -> None:
-        """Show maps that are to be compared, so on one scale of brightness."""
+        """Show maps on a common brightness scale, so that they can be compared."""
         brightest = float(np.quantile(list(maps.values()), BRIGHTEST_SHARE))
         for path, values in maps.items():
             self._scale(path, cell_px)
@@ -153,7 +155,7 @@ class StreamRecorder:
         self._stream.log(path, what, strict=True)
 
     def _scale(self, path: str, factor: float) -> None:
-        """Draw an image of another resolution in sensor pixels."""
+        """Scale an image of another resolution to sensor pixels."""
         if path not in self._scaled:
             self._scaled.add(path)
             log_static(self._stream, path, rr.Transform3D(scale=[factor, factor, 1.0]))
@@ -166,12 +168,12 @@ class StreamRecorder:
             positions=batches.positions_px, class_ids=batches.class_ids
         ).partition(batches.lengths)
         self._stream.send_columns(at.EVENTS, [time_column(batches.t_us)], columns, strict=True)
-        self._make_room()
+        self._send_full_buffer()
 
     def _log_rates(self, batches: EventBatches) -> None:
-        """Events a millisecond, which is kev/s; also of the milliseconds without any."""
+        """Log events per millisecond, which is kev/s, including milliseconds without events."""
         gaps_us = np.diff(batches.t_us, prepend=self._rate_from_us - BATCH_US)
-        for part in np.split(np.arange(gaps_us.size), np.flatnonzero(gaps_us > LONGEST_ZEROS_US)):
+        for part in np.split(np.arange(gaps_us.size), np.flatnonzero(gaps_us > MAX_ZEROS_US)):
             if not part.size:
                 continue
             first_us, last_us = int(batches.t_us[part[0]]), int(batches.t_us[part[-1]])
@@ -186,11 +188,11 @@ class StreamRecorder:
             self._rate_from_us = last_us + BATCH_US
 
     def _log_no_events(self, until_us: int) -> None:
-        """A rate of zero from where the curve ends, until before a time."""
+        """Log a rate of zero from the end of the curve until before a time."""
         last_us = (until_us - 1) // BATCH_US * BATCH_US
         if last_us < self._rate_from_us:
             return
-        if last_us - self._rate_from_us <= LONGEST_ZEROS_US:
+        if last_us - self._rate_from_us <= MAX_ZEROS_US:
             times_us = np.arange(self._rate_from_us, last_us + BATCH_US, BATCH_US)
         else:
             times_us = np.array([self._rate_from_us, last_us])
@@ -198,24 +200,24 @@ class StreamRecorder:
             self._columns.curve(path, times_us, np.zeros(times_us.size))
         self._rate_from_us = last_us + BATCH_US
 
-    def _make_room(self) -> None:
-        if self._columns.rows >= MOST_ROWS:
+    def _send_full_buffer(self) -> None:
+        if self._columns.rows >= MAX_ROWS:
             self._columns.send(self._stream)
 
 
 def check_methods(methods: Sequence[str], maps_of: str | None) -> None:
-    """Refuse methods that cannot be told apart.
+    """Check the methods of a recording.
 
     Raises:
-        ScenarioError: one is there twice, or `maps_of` is none of them.
+        ScenarioError: a method is named twice, or `maps_of` is not one of the methods.
     """
     twice = [method for n, method in enumerate(methods) if method in methods[:n]]
     if twice:
         raise ScenarioError(
-            f"the method {twice[0]} is recorded twice; allowed is each once; leave one out"
+            f"The method {twice[0]} is recorded twice. Allowed is each method once. Leave one out."
         )
     if maps_of is not None and maps_of not in methods:
         raise ScenarioError(
-            f"the maps are of {maps_of}; allowed is one of the recording's methods, "
-            f"{', '.join(methods) or 'of which there are none'}; name one of them, or none"
+            f"The maps are of {maps_of}. Allowed is one of the recorded methods "
+            f"({', '.join(methods) or 'there are none'}). Choose one of them, or None."
         )

@@ -1,4 +1,4 @@
-"""The closing table of one or more runs."""
+"""The table that a command prints after one or more runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.folder import GENERATOR, RECORDING
+from scenarios.output.atomic_folder import GENERATOR, RECORDING
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
 
@@ -21,7 +21,7 @@ Summaries = Sequence[tuple[Path, dict[str, Any]]]
 
 
 def print_runs(runs: Summaries) -> None:
-    """Print what happened in each run, side by side, and how to open its recording."""
+    """Print the results of runs side by side, and the commands that open their recordings."""
     console = Console()
     table = Table(title="flybench", title_justify="left")
     table.add_column("")
@@ -42,18 +42,28 @@ _SECTION_ENDS = ("image speed", "hot pixels", "GRMS [1/s]")
 
 
 def view_command(folder: Path) -> str:
-    """What to type to look at a run: the command as it can be called from here."""
+    """Return the command that shows a run, as it can be called from the current folder."""
     installed = Path(sys.executable).with_name(GENERATOR)
     name = GENERATOR if shutil.which(GENERATOR) else os.path.relpath(installed)
-    way = "" if has_display() else " --web"
-    return f"{shlex.quote(name)} view {shlex.quote(str(folder))}{way}"
+    option = "" if has_display() else " --web"
+    return f"{shlex.quote(name)} view {shlex.quote(str(folder))}{option}"
 
 
 def _rows(summary: dict[str, Any]) -> dict[str, str]:
-    own, *rivals = summary.get("detectors", [summary["detector"]])
-    parts = _truth(summary["truth"]), _events(summary), _detector(own), _rivals(rivals)
-    light = {"light": summary.get("light", "rendered")}
-    return dict(row for part in (*parts, light, _wall(summary["wall_s"])) for row in part.items())
+    main, *others = summary.get("detectors", [summary["detector"]])
+    parts = (
+        _truth(summary["truth"]),
+        _events(summary),
+        _detector(main),
+        _other_detectors(others),
+        {"luminance": _LUMINANCE_SOURCES[summary.get("light", "rendered")]},
+        _wall_times(summary["wall_s"]),
+    )
+    return {name: value for part in parts for name, value in part.items()}
+
+
+_LUMINANCE_SOURCES = {"rendered": "rendered", "kept": "from the cache"}
+"""Values of "light" in `summary.json`, in words."""
 
 
 def _truth(truth: dict[str, Any]) -> dict[str, str]:
@@ -77,49 +87,53 @@ def _events(summary: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def _detector(found: dict[str, Any]) -> dict[str, str]:
-    latency = found["latency_ms"]
+def _detector(scores: dict[str, Any]) -> dict[str, str]:
+    latency = scores["latency_ms"]
     return {
-        "method": found["method"],
-        "its verdict": found["direction"],
-        "right steps in view": f"{percent(found['accuracy'])} of {found['steps_in_view']}",
-        "after 100 ms in view": percent(found["accuracy_after_100ms"]),
-        "first right step": "never" if latency is None else f"{latency:.0f} ms after entering",
-        "ROI's overlap (IoU)": overlap(found["roi_iou"]),
-        "view centre off by": pixels(found["centroid_error_px"]),
-        "GRMS [1/s]": number(found["grms"]),
+        "method": scores["method"],
+        "verdict": scores["direction"],
+        "correct steps in view": (
+            f"{format_percent(scores['accuracy'])} of {scores['steps_in_view']}"
+        ),
+        "after 100 ms in view": format_percent(scores["accuracy_after_100ms"]),
+        "first correct step": "never" if latency is None else f"{latency:.0f} ms after entry",
+        "overlap of the ROI (IoU)": format_overlap(scores["roi_iou"]),
+        "error of the view centre": format_pixels(scores["centroid_error_px"]),
+        "GRMS [1/s]": format_number(scores["grms"]),
     }
 
 
-def _rivals(found: Sequence[dict[str, Any]]) -> dict[str, str]:
-    """A line a method that ran beside the run's own."""
+def _other_detectors(all_scores: Sequence[dict[str, Any]]) -> dict[str, str]:
+    """Return one line per method of `--also`."""
     return {
-        f"beside it: {rival['method']}": f"{rival['direction']}, {percent(rival['accuracy'])} right"
-        for rival in found
+        f"also: {scores['method']}": (
+            f"{scores['direction']}, {format_percent(scores['accuracy'])} correct"
+        )
+        for scores in all_scores
     }
 
 
-def _wall(wall_s: dict[str, float]) -> dict[str, str]:
+def _wall_times(wall_s: dict[str, float]) -> dict[str, str]:
     stages = {name: seconds for name, seconds in wall_s.items() if name != TOTAL}
     rows = {f"time to {name}": f"{seconds:.1f} s" for name, seconds in stages.items()}
-    return rows | {"in all": f"{wall_s[TOTAL]:.1f} s"}
+    return rows | {"total time": f"{wall_s[TOTAL]:.1f} s"}
 
 
-def percent(share: float | None) -> str:
-    """A share as a percentage; None is a share of nothing."""
+def format_percent(share: float | None) -> str:
+    """Format a share as a percentage; None means that there was no step."""
     return "no step" if share is None else f"{100 * share:.0f} %"
 
 
-def overlap(share: float | None) -> str:
-    """An overlap as a percentage; None is of a method without a region, or of no step."""
-    return "–" if share is None else percent(share)
+def format_overlap(share: float | None) -> str:
+    """Format an overlap as a percentage; None means that there was no region or no step."""
+    return "–" if share is None else format_percent(share)
 
 
-def pixels(value: float | None) -> str:
-    """A distance in whole pixels; None is a figure of no step."""
+def format_pixels(value: float | None) -> str:
+    """Format a distance in whole pixels; None means that there was no step."""
     return "no step" if value is None else f"{value:.0f} px"
 
 
-def number(value: float | None) -> str:
-    """Three digits; None is a figure that needs more steps than there were."""
+def format_number(value: float | None) -> str:
+    """Format a number with three digits; None means that there were too few steps."""
     return "no step" if value is None else f"{value:.3g}"

@@ -1,1 +1,1 @@
-"""The paper's evaluation in one command: its crossings, its methods and more, and its claims."""
+"""The study: the paper's evaluation, its crossings, methods, figures and claims."""

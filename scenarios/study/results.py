@@ -1,4 +1,4 @@
-"""What the study found: one entry a sequence, and in it one a method and seed."""
+"""Results of the study: one for each sequence, and within it one for each method and seed."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ F32 = npt.NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What the sensor and the fly saw at one moment, and where the vehicle was.
+    """Output of the sensor and of the fly at one moment, and the position of the vehicle.
 
     Attributes:
-        t_us: the moment [µs].
+        t_us: time [µs].
         aps: (height, width) uint16, the last APS frame [DN].
-        saliency: (rows, columns) float32, the fly's, dimensionless.
-        cell_px: side of a cell of it [px].
-        roi_px: the fly's region of interest; None where it attends to nothing [px].
-        box_px: the vehicle's true box; None where it is out of view [px].
+        saliency: (rows, columns) float32, saliency map of the fly, dimensionless.
+        cell_px: side of one cell of the map [px].
+        roi_px: region of interest of the fly; None if it attends to nothing [px].
+        box_px: true box of the vehicle; None if it is out of view [px].
     """
 
     t_us: int
@@ -38,25 +38,27 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class MethodRun:
-    """What one method said of one sequence, seen by the sensor of one seed.
+    """Estimates of one method on one sequence, seen by the sensor of one seed.
 
     Attributes:
-        method: its name in `scenarios.pipeline.registry`.
-        seed: the sensor's.
-        estimates: all that it said.
-        judgement: that against the truth, see `scenarios.pipeline.scoring.judge`.
-        velocity_error_px_s: root mean square error of its horizontal velocity, over those of the
-            steps after 100 ms in view that name a direction [px/s]; None for a method that gives
-            no velocity, and where there is no such step.
-        cpu_s: CPU time of all its calls [s].
-        events: how many events it was shown.
-        velocity_bias_px_s: mean error of the same velocity in the same steps [px/s].
+        method: name of the method in `scenarios.pipeline.registry`.
+        seed: seed of the sensor.
+        estimates: all estimates.
+        scores: comparison of the estimates with the ground truth, see
+            `scenarios.pipeline.scoring.score_estimates`.
+        velocity_error_px_s: root mean square error of the horizontal velocity, over the steps after
+            100 ms in view that name a direction [px/s]; None if the method gives no velocity, or if
+            there is no such step.
+        cpu_s: CPU time of all calls [s].
+        events: number of events given to the method.
+        velocity_bias_px_s: mean error of the horizontal velocity over the same steps [px/s]; None
+            like `velocity_error_px_s`.
     """
 
     method: str
     seed: int
     estimates: tuple[MotionEstimate, ...]
-    judgement: Mapping[str, Any]
+    scores: Mapping[str, Any]
     velocity_error_px_s: float | None
     cpu_s: float
     events: int
@@ -64,20 +66,20 @@ class MethodRun:
 
 
 @dataclass(frozen=True)
-class Sequence:
-    """One of the paper's crossings, and what every method said of it.
+class SequenceResult:
+    """One of the paper's crossings, and the estimates of every method on it.
 
     Attributes:
         lighting: "day" or "night".
         omega_rad_s: angular velocity at closest approach [rad/s].
-        speed_km_h: the vehicle's speed [km/h].
-        duration_us: how long it lasts [µs].
-        in_view_us: when the vehicle was first and last in view [µs].
+        speed_km_h: speed of the vehicle [km/h].
+        duration_us: duration [µs].
+        in_view_us: first and last time at which the vehicle is in view [µs].
         velocity_t_us: (n,) int64, times of `velocity_px_s` [µs].
-        velocity_px_s: (n,) float64, the vehicle's true horizontal image velocity [px/s].
+        velocity_px_s: (n,) float64, true horizontal image velocity of the vehicle [px/s].
         snapshots: moments for the figures, of the first seed, in order of time.
-        runs: one a method and seed.
-        direction: the true one.
+        runs: one for each method and seed.
+        direction: true direction.
     """
 
     lighting: str
@@ -93,10 +95,10 @@ class Sequence:
 
     @property
     def name(self) -> str:
-        """Light and velocity, such as "day_1.21": of its rows and of its recording."""
+        """Lighting and angular velocity, such as "day_1.21"; names its rows and its recording."""
         return f"{self.lighting}_{self.omega_rad_s:.2f}"
 
     @property
     def image_speed_px_s(self) -> float:
-        """The vehicle's image speed when it is nearest, the highest of all [px/s]."""
+        """Highest image speed of the vehicle, which it has at closest approach [px/s]."""
         return float(abs(self.velocity_px_s).max())

@@ -1,4 +1,4 @@
-"""The study's table: one row a sequence, method and seed."""
+"""The table of the study: one row for each sequence, method and seed."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from detector.estimate import MotionEstimate
 from detector.metrics import within
 from flybench.direction import Direction
 from scenarios.pipeline.scoring import SETTLING_US
-from scenarios.study.results import MethodRun, Sequence
+from scenarios.study.results import MethodRun, SequenceResult
 
 Row = dict[str, Any]
-_LEAST_STEPS = 2
+_FEWEST_STEPS = 2
 
 COLUMNS = (
     "sequence",
@@ -46,27 +46,32 @@ COLUMNS = (
     "events",
     "estimates",
 )
-"""What a row holds, in order.
+"""Columns of the table, in order.
 
-sequence: light and velocity, such as "day_1.21", which also names its recording; truth: the true
-direction; image_speed_px_s: the vehicle's, when it is nearest; from accuracy to latency_ms, and
-grms: see `scenarios.pipeline.scoring.judge`; response_mean: HS or VS along the true direction, mean
-over the steps after 100 ms; response_variation: its standard deviation over that mean, None where
-the mean is not above 0; velocity_error_px_s and velocity_bias_px_s: see `MethodRun`;
-roi_iou and centroid_error_px: of a method that attends to a place, None of one that does not;
-cpu_s: of all calls; ms_per_estimate and ns_per_event: that, by estimates and by events shown.
+- sequence: lighting and angular velocity, such as "day_1.21"; also names the recording.
+- image_speed_px_s: image speed of the vehicle at closest approach.
+- truth: true direction.
+- verdict: direction that the method finds over the whole crossing.
+- accuracy to latency_ms, and grms: see `scenarios.pipeline.scoring.score_estimates`.
+- response_mean: HS or VS along the true direction, mean over the steps after 100 ms.
+- response_variation: standard deviation of that response over its mean; None if the mean is not
+  above 0.
+- velocity_error_px_s and velocity_bias_px_s: see `MethodRun`.
+- roi_iou and centroid_error_px: None for a method without a region of interest.
+- cpu_s: CPU time of all calls.
+- ms_per_estimate and ns_per_event: CPU time by estimates, and by events given to the method.
 """
 
 
-def study_rows(sequences: Iterable[Sequence]) -> list[Row]:
-    """The table, in the order of the sequences and of their runs."""
+def study_rows(sequences: Iterable[SequenceResult]) -> list[Row]:
+    """Return the rows, in the order of the sequences and of their runs."""
     return [_row(sequence, run) for sequence in sequences for run in sequence.runs]
 
 
-def _row(sequence: Sequence, run: MethodRun) -> Row:
-    found = dict(run.judgement)
+def _row(sequence: SequenceResult, run: MethodRun) -> Row:
+    scores = dict(run.scores)
     if not any(e.roi_px is not None for e in run.estimates):
-        found["roi_iou"] = found["centroid_error_px"] = None
+        scores["roi_iou"] = scores["centroid_error_px"] = None
     mean, variation = response(sequence, run)
     values: Row = {
         "sequence": sequence.name,
@@ -78,8 +83,8 @@ def _row(sequence: Sequence, run: MethodRun) -> Row:
         "truth": sequence.direction,
         "method": run.method,
         "seed": run.seed,
-        "verdict": found.pop("direction"),
-        **found,
+        "verdict": scores.pop("direction"),
+        **scores,
         "response_mean": mean,
         "response_variation": variation,
         "velocity_error_px_s": run.velocity_error_px_s,
@@ -93,25 +98,27 @@ def _row(sequence: Sequence, run: MethodRun) -> Row:
     return {name: values[name] for name in COLUMNS}
 
 
-def response(sequence: Sequence, run: MethodRun) -> tuple[float | None, float | None]:
-    """How strong a method's response along the true direction is once settled, and how uneven.
+def response(sequence: SequenceResult, run: MethodRun) -> tuple[float | None, float | None]:
+    """Return the mean and the variation of a method's response along the true direction.
+
+    Only the steps after 100 ms in view count.
 
     Returns:
-        Mean, and standard deviation over mean; None where there are too few steps, and the latter
-        where the mean is not above 0.
+        Mean; None without steps. Standard deviation over mean; None with fewer than two steps, or
+        if the mean is not above 0.
     """
     settled_us = sequence.in_view_us[0] + SETTLING_US, sequence.in_view_us[1]
     along = [_along(e, sequence.direction) for e in within(run.estimates, settled_us)]
     mean = fmean(along) if along else None
-    if mean is None or mean <= 0.0 or len(along) < _LEAST_STEPS:
+    if mean is None or mean <= 0.0 or len(along) < _FEWEST_STEPS:
         return mean, None
     return mean, stdev(along) / mean
 
 
 def _along(estimate: MotionEstimate, direction: str) -> float:
-    level = direction in (Direction.RIGHT, Direction.LEFT)
+    is_horizontal = direction in (Direction.RIGHT, Direction.LEFT)
     sign = 1.0 if direction in (Direction.RIGHT, Direction.DOWN) else -1.0
-    return sign * (estimate.hs if level else estimate.vs)
+    return sign * (estimate.hs if is_horizontal else estimate.vs)
 
 
 def _ratio(value: float, number: int) -> float | None:

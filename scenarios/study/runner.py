@@ -1,4 +1,4 @@
-"""All crossings of a study, side by side on every core."""
+"""Runs all sequences of a study in parallel processes."""
 
 from __future__ import annotations
 
@@ -10,57 +10,58 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from scenarios.pipeline.parallel import run_here
-from scenarios.study.one_sequence import SequenceTask, run_one
-from scenarios.study.results import Sequence as Result
+from scenarios.pipeline.parallel import run_locally
+from scenarios.study.one_sequence import SequenceTask, run_sequence
+from scenarios.study.results import SequenceResult
 from scenarios.study.shared_progress import SharedProgress
 from sim import Lighting
 
 _LAVAPIPE_THREADS = "LP_NUM_THREADS"
-"""Read by Mesa's renderer on the CPU, when it is first used."""
+"""Environment variable that Mesa's CPU renderer reads when it is first used."""
 _REPLACED = "A worker stopped while some jobs were given"
-"""What joblib says when it replaces a process that has grown, as a renderer makes it; no harm."""
+"""Start of joblib's harmless warning when it replaces a process whose memory has grown, as it does
+with a renderer."""
 Progress = Callable[[int, int], None]
-"""Called with how much is done, and of how much."""
+"""Called with the amount of work done and the amount of all work."""
 
 
-def run_all(
+def run_sequences(
     tasks: Sequence[SequenceTask],
     *,
     jobs: int,
     progress: Progress = lambda _done, _all: None,
-) -> list[Result]:
-    """Do every task, in processes of one thread each; the dearest, those by night, first.
+) -> list[SequenceResult]:
+    """Run every task in processes of one thread each; those at night first, as they take longest.
 
     Args:
-        tasks: the crossings.
-        jobs: how many processes; −1: one a core.
-        progress: told how far all are together.
+        tasks: sequences to run.
+        jobs: number of processes; −1: one for each core.
+        progress: called with the progress of all tasks together.
 
     Returns:
-        Results in the order of the tasks, the same however many processes there are but for the
-        times.
+        Results in the order of the tasks. They do not depend on the number of processes, except for
+        the CPU times.
 
     Raises:
-        ScenarioError: that is no number of processes, or one of them ended early.
+        ScenarioError: the number of processes is out of range, or a process ended early.
         RendererError: this machine cannot render.
     """
     order = sorted(range(len(tasks)), key=lambda n: tasks[n].crossing.lighting is Lighting.DAY)
-    results: dict[int, Result] = {}
+    results: dict[int, SequenceResult] = {}
     with tempfile.TemporaryDirectory() as scratch:
-        shared = SharedProgress.begin(Path(scratch) / "progress", len(tasks))
+        shared = SharedProgress.create(Path(scratch) / "progress", len(tasks))
         is_alone = jobs == 1 or len(tasks) == 1
-        numbered = [_Numbered(n, tasks[n], shared, is_alone) for n in order]
-        with shared.watched(progress), warnings.catch_warnings():
+        numbered = [_NumberedTask(n, tasks[n], shared, is_alone) for n in order]
+        with shared.forwarded_to(progress), warnings.catch_warnings():
             warnings.filterwarnings("ignore", message=_REPLACED)
-            for at, result in run_here(_run, numbered, jobs=jobs):
+            for at, result in run_locally(_run, numbered, jobs=jobs):
                 results[order[at]] = result
     return [results[n] for n in range(len(tasks))]
 
 
 @dataclass(frozen=True)
-class _Numbered:
-    """A task that knows where to tell how far it is, and whether others run beside it."""
+class _NumberedTask:
+    """A task, its number in the shared progress, and whether it runs without others beside it."""
 
     number: int
     task: SequenceTask
@@ -68,7 +69,7 @@ class _Numbered:
     is_alone: bool
 
 
-def _run(numbered: _Numbered) -> Result:
-    if not numbered.is_alone:  # other cores draw other sequences
+def _run(numbered: _NumberedTask) -> SequenceResult:
+    if not numbered.is_alone:  # the other cores render other sequences
         os.environ.setdefault(_LAVAPIPE_THREADS, "1")
-    return run_one(numbered.task, partial(numbered.shared.tell, numbered.number))
+    return run_sequence(numbered.task, partial(numbered.shared.report, numbered.number))

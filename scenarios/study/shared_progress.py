@@ -1,4 +1,4 @@
-"""How far each of several processes has come, told to the one that started them."""
+"""Progress of several processes, forwarded to the process that started them."""
 
 from __future__ import annotations
 
@@ -11,54 +11,54 @@ from threading import Event, Thread
 import numpy as np
 
 PERIOD_S = 0.5
-"""How often the sum is told (assumed)."""
+"""Period at which the sum is forwarded (assumed) [s]."""
 _PARTS = 1000
 
 
 @dataclass(frozen=True)
 class SharedProgress:
-    """A small file with a number for each task, which any process may write its own of.
+    """A small file with one number for each task; each process writes the number of its task.
 
     Attributes:
-        path: of the file.
-        tasks: how many there are.
+        path: path of the file.
+        tasks: number of tasks.
     """
 
     path: Path
     tasks: int
 
     @classmethod
-    def begin(cls, path: Path, tasks: int) -> SharedProgress:
-        """Make the file, with no task begun."""
+    def create(cls, path: Path, tasks: int) -> SharedProgress:
+        """Create the file, with every task at 0."""
         np.zeros(tasks, np.int64).tofile(path)
         return cls(path, tasks)
 
-    def tell(self, task: int, done: int, total: int) -> None:
-        """Note that of a task so much is done."""
+    def report(self, task: int, done: int, total: int) -> None:
+        """Write the progress of one task."""
         part = np.int64(done * _PARTS // max(total, 1))
         with self.path.open("r+b") as file:
             file.seek(task * part.itemsize)
             file.write(part.tobytes())
 
     @contextmanager
-    def watched(self, progress: Callable[[int, int], None]) -> Iterator[None]:
-        """Tell the sum over all tasks, and that of the whole, while the block runs."""
+    def forwarded_to(self, progress: Callable[[int, int], None]) -> Iterator[None]:
+        """Call `progress` with the sum over all tasks and its maximum while the block runs."""
         ended = Event()
 
-        def tell_sum() -> None:
+        def forward() -> None:
             parts = np.memmap(self.path, np.int64, "r", shape=self.tasks)
             progress(int(parts.sum()), _PARTS * self.tasks)
 
-        def keep_telling() -> None:
+        def keep_forwarding() -> None:
             while not ended.wait(PERIOD_S):
-                tell_sum()
+                forward()
 
-        thread = Thread(target=keep_telling, daemon=True)
-        tell_sum()
+        thread = Thread(target=keep_forwarding, daemon=True)
+        forward()
         thread.start()
         try:
             yield
         finally:
             ended.set()
             thread.join()
-            tell_sum()
+            forward()

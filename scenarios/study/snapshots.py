@@ -1,4 +1,4 @@
-"""Moments of a crossing for the figures: what the sensor and the fly saw."""
+"""Snapshots of a crossing for the figures: what the sensor and the fly saw."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from emulator import ApsFrame
 from scenarios.study.results import Snapshot
 
 SHARES_OF_CROSSING = (0.2, 0.4, 0.5, 0.6, 0.8)
-"""When, from the first pixel in view to the last; the middle one stands for the sequence."""
+"""Times of the snapshots, as shares of the time in view; the middle one represents the sequence."""
 PERIOD_US = 20_000
-"""How far apart moments are kept of which one may be chosen (assumed)."""
+"""Time between the snapshots that are kept to select from (assumed) [µs]."""
 
 
-class Album:
-    """Keeps moments while a crossing runs, and gives those wanted once its length is known."""
+class SnapshotCollector:
+    """Keeps snapshots while a crossing runs, and selects some once its duration is known."""
 
     def __init__(self) -> None:
         self._aps: ApsFrame | None = None
@@ -27,17 +27,19 @@ class Album:
         self._kept: list[Snapshot] = []
 
     def add_frames(self, frames: Sequence[ApsFrame]) -> None:
-        """Take the sensor's next frames."""
+        """Add the next APS frames of the sensor."""
         self._aps = frames[-1] if frames else self._aps
 
     def add(self, method: str, estimate: MotionEstimate, maps: FlyMaps, box_px: Box | None) -> None:
-        """Take what a fly saw, of the first fly that comes; nothing before the first frame.
+        """Add the output of a fly.
+
+        Only the first fly that is added counts, from the first APS frame on.
 
         Args:
-            method: its name.
-            estimate: what it said.
-            maps: of the same moment.
-            box_px: the vehicle's true box then.
+            method: name of the method.
+            estimate: estimate of the fly.
+            maps: maps of the fly at the time of the estimate.
+            box_px: true box of the vehicle at that time.
         """
         self._method = self._method or method
         is_due = not self._kept or estimate.t_us >= self._kept[-1].t_us + PERIOD_US
@@ -54,8 +56,8 @@ class Album:
             )
         )
 
-    def choose(self, in_view_us: tuple[int, int]) -> tuple[Snapshot, ...]:
-        """The moments kept that are nearest to `SHARES_OF_CROSSING`, in order; none twice."""
+    def select(self, in_view_us: tuple[int, int]) -> tuple[Snapshot, ...]:
+        """Return the snapshots nearest to `SHARES_OF_CROSSING`, in order and without duplicates."""
         if not self._kept:
             return ()
         times_us = np.array([shot.t_us for shot in self._kept])

@@ -1,18 +1,18 @@
-"""Means with their confidence, over seeds and not over steps.
+"""Means with confidence intervals, over seeds and not over steps.
 
-The steps of one run share events, sensor and scene, so their number says nothing of how certain a
-mean is. Runs of different seeds share the light alone. An interval therefore takes one value a
-seed: it holds for other sensors before the same scene, not for other scenes.
+The steps of one run share events, sensor and scene, so their number does not show how certain a
+mean is. Runs of different seeds share only the rendered luminance. An interval therefore uses one
+value for each seed. It is valid for other sensors that see the same scene, not for other scenes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from statistics import fmean, stdev
+from statistics import fmean
 from typing import Any
 
-from scipy.stats import t
+from scipy.stats import sem, t
 
 from scenarios.study.rows import Row
 
@@ -27,7 +27,7 @@ SHARES = frozenset(
         "roi_iou",
     }
 )
-"""Columns of a row that lie in [0, 1], where an interval ends too."""
+"""Columns with values in [0, 1], to which their intervals are clipped."""
 MEASURES = (
     "accuracy",
     "accuracy_after_100ms",
@@ -45,18 +45,18 @@ MEASURES = (
     "ms_per_estimate",
     "ns_per_event",
 )
-"""Columns of a row that are told by method and light."""
+"""Columns that the summary gives by method and lighting."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean and where it lies with 95 % confidence.
+    """A mean and its 95 % confidence interval.
 
     Attributes:
-        mean: of the values.
-        low: lower end.
-        high: upper end; both are the mean where there is one value alone.
-        number: how many values there are.
+        mean: mean of the values.
+        low: lower end of the interval; the mean if there is only one value.
+        high: upper end of the interval; the mean if there is only one value.
+        number: number of values.
     """
 
     mean: float
@@ -66,14 +66,14 @@ class Interval:
 
 
 def mean_interval(values: Sequence[float | None], *, is_share: bool = False) -> Interval | None:
-    """The mean of independent values, with Student's t.
+    """Return the mean of independent values and its interval by Student's t distribution.
 
     Args:
-        values: one a seed; None where it has none.
-        is_share: whether they lie in [0, 1], so that the interval is cut there.
+        values: one value for each seed; None for a seed without a value.
+        is_share: True if the values are in [0, 1], so that the interval is clipped to that range.
 
     Returns:
-        None where no value is known.
+        The interval; None if there is no value.
     """
     known = [value for value in values if value is not None]
     if not known:
@@ -81,20 +81,18 @@ def mean_interval(values: Sequence[float | None], *, is_share: bool = False) -> 
     mean, number = fmean(known), len(known)
     if number == 1:
         return Interval(mean, mean, mean, 1)
-    half = float(t.ppf((1 + CONFIDENCE) / 2, number - 1)) * stdev(known) / number**0.5
+    half = float(t.ppf((1 + CONFIDENCE) / 2, number - 1) * sem(known))
     low, high = mean - half, mean + half
-    return (
-        Interval(mean, max(low, 0.0), min(high, 1.0), number)
-        if is_share
-        else Interval(mean, low, high, number)
-    )
+    if is_share:
+        low, high = max(low, 0.0), min(high, 1.0)
+    return Interval(mean, low, high, number)
 
 
-def by_seed(rows: Sequence[Row], column: str) -> list[float | None]:
-    """One value a seed: the mean over its rows, such as those of one method by day.
+def seed_means(rows: Sequence[Row], column: str) -> list[float | None]:
+    """Return one value for each seed: the mean of a column over the rows of that seed.
 
     Returns:
-        In order of the seeds; None for a seed that has no value in any row.
+        Means in order of the seeds; None for a seed without a value in any row.
     """
     found: dict[int, list[float]] = {}
     for row in rows:
@@ -105,29 +103,29 @@ def by_seed(rows: Sequence[Row], column: str) -> list[float | None]:
 
 
 def interval_of(rows: Sequence[Row], column: str) -> Interval | None:
-    """Mean of a column over rows, with its confidence over their seeds."""
-    return mean_interval(by_seed(rows, column), is_share=column in SHARES)
+    """Return the mean of a column over rows, with its confidence interval over the seeds."""
+    return mean_interval(seed_means(rows, column), is_share=column in SHARES)
 
 
 def select(rows: Sequence[Row], **levels: Any) -> list[Row]:
-    """Rows whose columns have these values."""
+    """Return the rows whose columns have these values."""
     return [row for row in rows if all(row[name] == value for name, value in levels.items())]
 
 
-def each(rows: Sequence[Row], column: str) -> list[Any]:
-    """The values of a column, each once, in order of their coming."""
+def distinct(rows: Sequence[Row], column: str) -> list[Any]:
+    """Return the distinct values of a column, in order of first appearance."""
     return list(dict.fromkeys(row[column] for row in rows))
 
 
-def by_method_and_light(
+def by_method_and_lighting(
     rows: Sequence[Row], measures: Sequence[str] = MEASURES
 ) -> dict[str, dict[str, Mapping[str, Interval | None]]]:
-    """Every measure's interval, by method and then by light."""
+    """Return the interval of every measure, by method and then by lighting."""
     return {
         method: {
-            light: {name: interval_of(own, name) for name in measures}
-            for light in each(rows, "lighting")
-            if (own := select(rows, method=method, lighting=light))
+            lighting: {name: interval_of(own, name) for name in measures}
+            for lighting in distinct(rows, "lighting")
+            if (own := select(rows, method=method, lighting=lighting))
         }
-        for method in each(rows, "method")
+        for method in distinct(rows, "method")
     }

@@ -1,1 +1,1 @@
-"""`flybench sweep`: any grid or random sample of runs, in parallel, resumable, as one table."""
+"""Sweeps: a grid or random sample of runs, in parallel and resumable, with one results table."""

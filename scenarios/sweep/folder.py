@@ -1,4 +1,4 @@
-"""A sweep's folder: one process at a time, resumed as long as it is there."""
+"""The folder of a sweep: used by one process at a time, and resumable."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from scenarios.errors import OutputError
-from scenarios.output.folder import SUMMARY, check_output
+from scenarios.output.atomic_folder import SUMMARY, check_output_folder
 
 LOCK, JOURNAL, COPY = "flybench-sweep.lock", "points.jsonl", "sweep.toml"
 CSV, PARQUET = "results.csv", "results.parquet"
@@ -18,15 +18,15 @@ FILES = frozenset({LOCK, JOURNAL, COPY, *RESULTS})
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse a folder that is not a sweep's.
+    """Check that a folder can hold a sweep.
 
     Raises:
-        OutputError: it exists and holds anything but a sweep, or cannot be made.
+        OutputError: the folder exists and holds anything but a sweep, or cannot be created.
     """
-    check_output(folder, _is_a_sweeps)
+    check_output_folder(folder, _is_sweep_folder)
 
 
-def _is_a_sweeps(folder: Path) -> bool:
+def _is_sweep_folder(folder: Path) -> bool:
     if not folder.is_dir():
         return False
     names = {path.name for path in folder.iterdir()}
@@ -35,10 +35,10 @@ def _is_a_sweeps(folder: Path) -> bool:
 
 @contextmanager
 def sweep_folder(folder: Path) -> Iterator[Path]:
-    """Make the folder, or take the one that is there, for this process alone.
+    """Create or reopen the folder and lock it for this process.
 
     Raises:
-        OutputError: as `check_folder` does, or another process is at it.
+        OutputError: the folder fails `check_folder`, or another process uses it.
     """
     check_folder(folder)
     try:
@@ -46,32 +46,34 @@ def sweep_folder(folder: Path) -> Iterator[Path]:
         lock = (folder / LOCK).open("wb")
     except OSError as error:
         raise OutputError(
-            f"the output folder {folder} cannot be made ({error.strerror}); choose another with "
-            "--out"
+            f"The output folder {folder} cannot be created ({error.strerror}). Choose another "
+            "folder with --out."
         ) from error
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise OutputError(
-                f"another process is at the sweep in {folder}; allowed is one at a time; wait for "
-                "it, or choose another folder with --out"
+                f"Another process is running the sweep in {folder}. Allowed is one process at a "
+                "time. Wait for it to end, or choose another folder with --out."
             ) from None
         yield folder
 
 
 def drop_results(folder: Path) -> None:
-    """Remove tables of an earlier run, which need not be of the same points."""
+    """Remove the tables of an earlier run, which may be of other points."""
     for name in RESULTS:
         (folder / name).unlink(missing_ok=True)
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Give a path to write to; the file takes its place once it is whole and on the disk.
+def durable_file(path: Path) -> Iterator[Path]:
+    """Yield a temporary path to write to; move it into place when the data is on the disk.
+
+    A process that is killed leaves only a temporary file that `check_folder` accepts.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     part = path.with_name(_part(path.name))
     try:
@@ -83,8 +85,8 @@ def whole_file(path: Path) -> Iterator[Path]:
         with suppress(OSError):
             part.unlink()
         raise OutputError(
-            f"{path} cannot be written ({error.strerror}); make room, or choose another folder "
-            "with --out, and start again"
+            f"{path} cannot be written ({error.strerror}). Free some disk space, or choose another "
+            "folder with --out. Then start again."
         ) from error
 
 

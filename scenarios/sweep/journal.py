@@ -1,4 +1,4 @@
-"""Finished points, one line each: written through to the disk before they count as finished."""
+"""The journal of finished points: one line per point, on the disk before the point counts."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ _DIGITS = 16
 
 
 class Journal:
-    """Results by the keys of their points, in a file that only grows.
+    """Results of finished points by their keys, in a file that is only appended to.
 
-    A line is whole if it begins with the digest of what follows. Whatever else is found, such as
-    the beginning of a line that a killed process left at the end, counts as not written.
+    A line is valid if it begins with the digest of the rest. Other lines are ignored, such as an
+    incomplete last line of a process that was killed.
 
     Attributes:
-        done: results of all finished points.
+        done: results of all finished points, by key.
     """
 
     def __init__(self, path: Path) -> None:
-        """Open or make the file, read it, and cut off what was not finished.
+        """Open or create the file, remove an incomplete last line, and read it.
 
         Raises:
-            OutputError: it cannot be read or written.
+            OutputError: the file cannot be read or written.
         """
         self._path = path
         try:
             self._file = path.open("a+b")
-            self._cut_off_the_torn()
+            self._truncate_incomplete_line()
             self.done = self.read(path)
             _sync_folder(path.parent)
         except OSError as error:
-            raise self._refusal(error) from error
+            raise self._error(error) from error
 
     def __enter__(self) -> Journal:
         return self
@@ -48,15 +48,15 @@ class Journal:
 
     @staticmethod
     def read(path: Path) -> dict[str, Results]:
-        """Results of the finished points in a file, which is left as it is."""
+        """Return the results of the finished points in a file, without changing it."""
         records = (_record(line) for line in path.read_bytes().split(b"\n"))
         return dict(filter(None, records))
 
     def add(self, finished: Iterable[tuple[str, Results]]) -> None:
-        """Write points; once this returns, they are on the disk.
+        """Append finished points; when this returns, they are on the disk.
 
         Raises:
-            OutputError: they cannot be written.
+            OutputError: the points cannot be written.
         """
         new = {key: results for key, results in finished if key not in self.done}
         try:
@@ -64,17 +64,17 @@ class Journal:
             self._file.flush()
             os.fsync(self._file.fileno())
         except OSError as error:
-            raise self._refusal(error) from error
+            raise self._error(error) from error
         self.done |= new
 
-    def _cut_off_the_torn(self) -> None:
+    def _truncate_incomplete_line(self) -> None:
         self._file.seek(0)
         self._file.truncate(self._file.read().rfind(b"\n") + 1)
 
-    def _refusal(self, error: OSError) -> OutputError:
+    def _error(self, error: OSError) -> OutputError:
         return OutputError(
-            f"{self._path} cannot be written ({error.strerror}); what it holds is kept; make room, "
-            "or choose another folder with --out, and start again"
+            f"{self._path} cannot be written ({error.strerror}). Its contents are kept. Free some "
+            "disk space, or choose another folder with --out. Then start again."
         )
 
 
@@ -84,12 +84,12 @@ def _line(key: str, results: Results) -> bytes:
 
 
 def _record(line: bytes) -> tuple[str, dict[str, Any]] | None:
-    """A point and its results; None where the line is not as it was written."""
+    """Return the key and results of a line; None if the line is damaged."""
     digest, _, body = line.partition(b" ")
     if digest != _digest(body):
         return None
-    said = json.loads(body)
-    return said["point"], said["results"]
+    record = json.loads(body)
+    return record["point"], record["results"]
 
 
 def _digest(body: bytes) -> bytes:
@@ -97,7 +97,7 @@ def _digest(body: bytes) -> bytes:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Write through that a file was made."""
+    """Write the folder's entries to the disk, so that a new file survives a power failure."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -1,63 +1,61 @@
-"""Some points that share their light: rendered once, shown to all of them, and judged."""
+"""Run and score points that share a rendered sequence."""
 
 from __future__ import annotations
 
 import os
 import threading
-import traceback
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 from socket import gethostname
 from typing import Any
 
 import cv2
 import numba
 
-from scenarios.errors import ScenarioError
+from scenarios.errors import ScenarioError, describe
 from scenarios.options.cache import CacheOptions
-from scenarios.pipeline.repeats import Seen, run_side_by_side
-from scenarios.pipeline.run_config import RunConfig, flat
+from scenarios.pipeline.repeats import RunResult, run_side_by_side
+from scenarios.pipeline.run_config import RunConfig, flatten
 from scenarios.pipeline.running import make_crossing
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.scoring import Track, score_estimates
 from scenarios.pipeline.summary import truth_summary
-from scenarios.sweep.code import code_digest
+from scenarios.sweep.point_key import code_digest
 from sim import Crossing, RendererError
 
-MOST_TOGETHER = 8
-"""Points to a task: so many flies behind a DAVIS346 take 0.1 GB beside the 0.6 of a renderer."""
-_ONE_AT_A_TIME = threading.Lock()
+MAX_TASK_POINTS = 8
+"""Points per task: eight flies with a DAVIS346 take 0.1 GB, beside 0.6 GB for the renderer."""
+_TASK_LOCK = threading.Lock()
 
 Results = Mapping[str, Any]
-"""What was found for a point, by dotted names as in a run's summary."""
+"""Results of a point, by dotted names as in a run's summary."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """Points that share their light.
+    """Points that share a rendered sequence.
 
     Attributes:
-        configs: one a point.
-        light: where rendered light is kept.
-        code: of the process that asks, see `code_digest`.
-        alone: whether it may have the whole machine.
+        configs: configuration of each point.
+        cache: cache for rendered luminance.
+        code: `code_digest` of the process that makes the task.
+        use_all_cores: True if no other task runs at the same time.
     """
 
     configs: tuple[RunConfig, ...]
-    light: CacheOptions = field(default_factory=CacheOptions)
+    cache: CacheOptions = field(default_factory=CacheOptions)
     code: str = ""
-    alone: bool = False
+    use_all_cores: bool = False
 
 
 @dataclass(frozen=True)
 class Failure:
-    """Why there is no result."""
+    """The reason why a point has no result."""
 
     reason: str
 
 
-def by_light(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
-    """Runs in groups that share their light."""
+def group_by_sequence(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
+    """Return runs in groups that share a rendered sequence."""
     groups: dict[tuple[Any, ...], list[RunConfig]] = {}
     for c in configs:
         groups.setdefault(
@@ -67,79 +65,75 @@ def by_light(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
 
 
 def make_tasks(
-    configs: Iterable[RunConfig], light: CacheOptions, *, alone: bool = False
+    configs: Iterable[RunConfig], cache: CacheOptions, *, use_all_cores: bool = False
 ) -> list[Task]:
-    """Cut points into tasks: first one for every light, then the further ones of each."""
+    """Return tasks for all points; the first task of every rendered sequence comes first."""
+    code = code_digest()
     tasks = [
-        (start, Task(tuple(own[start : start + MOST_TOGETHER]), light, code_digest(), alone))
-        for own in by_light(configs)
-        for start in range(0, len(own), MOST_TOGETHER)
+        (start, Task(tuple(group[start : start + MAX_TASK_POINTS]), cache, code, use_all_cores))
+        for group in group_by_sequence(configs)
+        for start in range(0, len(group), MAX_TASK_POINTS)
     ]
     return [task for _, task in sorted(tasks, key=lambda numbered: numbered[0])]
 
 
-def measure(task: Task) -> list[Results | Failure]:
-    """Render the light of a task, or have it from the cache, and judge every point.
+def measure_task(task: Task) -> list[Results | Failure]:
+    """Render the sequence of a task, or load it from the cache, and run and score every point.
+
+    If the task fails, its points are run one by one, so that only the faulty ones fail.
 
     Returns:
-        Results by point; where something fails, for the points alone that it fails for.
+        The results, or the failure, of each point.
 
     Raises:
-        ScenarioError: this process runs other code than the one that asks.
+        ScenarioError: this process runs other code than the process that made the task.
         RendererError: this machine cannot render.
     """
     if task.code != code_digest():
         raise ScenarioError(
-            f"a worker on {gethostname()} runs another version of flybench or of what it needs, "
-            "or edited files; allowed is the same everywhere; install it there and start anew"
+            f"A worker on {gethostname()} runs another version of flybench or of a library, or "
+            "edited files. Every worker needs the same code. Install it there and start again."
         )
-    with _ONE_AT_A_TIME:  # of a worker with several threads, since one renders at a time
-        if not task.alone:
+    with _TASK_LOCK:  # a worker may have several threads, but can render only one sequence at once
+        if not task.use_all_cores:
             _pin_threads()
         try:
-            return list(_measured(task.configs, task.light))
+            return list(_run_and_score(task.configs, task.cache))
         except RendererError:
             raise
         except Exception as error:
             if len(task.configs) == 1:
-                return [Failure(_told(error))]
+                return [Failure(describe(error))]
     return [
         result
         for config in task.configs
-        for result in measure(Task((config,), task.light, task.code, task.alone))
+        for result in measure_task(replace(task, configs=(config,)))
     ]
 
 
-def _told(error: Exception) -> str:
-    """An error in one line, with where it was raised."""
-    *_, last = traceback.extract_tb(error.__traceback__)
-    first, *_ = [*str(error).splitlines(), ""]
-    return f"{type(error).__name__}: {first} ({Path(last.filename).name}, line {last.lineno})"
-
-
 def _pin_threads() -> None:
-    """One thread, since the other cores have points of their own."""
-    os.environ.setdefault("LP_NUM_THREADS", "1")  # read when the renderer first starts
+    """Use one thread, since other tasks use the other cores."""
+    os.environ.setdefault("LP_NUM_THREADS", "1")  # read when the renderer starts
     cv2.setNumThreads(1)
     numba.set_num_threads(1)
 
 
-def _measured(configs: Sequence[RunConfig], light: CacheOptions) -> Iterable[Results]:
-    crossing = make_crossing(configs[0], light.open())
-    seen, track = run_side_by_side(configs, crossing.samples())
+def _run_and_score(configs: Sequence[RunConfig], cache: CacheOptions) -> Iterable[Results]:
+    crossing = make_crossing(configs[0], cache.open())
+    runs, track = run_side_by_side(configs, crossing.samples())
     return (
-        _results(config, crossing, one, track) for config, one in zip(configs, seen, strict=True)
+        _results(config, crossing, run, track) for config, run in zip(configs, runs, strict=True)
     )
 
 
-def _results(config: RunConfig, crossing: Crossing, seen: Seen, track: Track) -> Results:
-    judged = judge(seen.estimates, config.crossing.direction, track.in_view_us, track)
+def _results(config: RunConfig, crossing: Crossing, run: RunResult, track: Track) -> Results:
+    direction, in_view_us = config.crossing.direction, track.in_view_us
     return dict(
-        flat(
+        flatten(
             {
-                "truth": truth_summary(config, crossing, track.in_view_us),
-                "events": seen.tally.summary(),
-                "detector": judged,
+                "truth": truth_summary(config, crossing, in_view_us),
+                "events": run.tally.summary(),
+                "detector": score_estimates(run.estimates, direction, in_view_us, track),
             }
         )
     )

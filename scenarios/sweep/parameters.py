@@ -1,4 +1,4 @@
-"""Every parameter of a run by its dotted name: what it may be, and a run made of some of them."""
+"""Parameters of a run by their dotted names: their types, and runs made from their values."""
 
 from __future__ import annotations
 
@@ -30,9 +30,8 @@ C = TypeVar("C")
 
 @cache
 def parameter_types() -> dict[str, Any]:
-    """The type of every parameter by its dotted name, in the order of a table's columns."""
-    known = dict(_types(RunConfig, ""))
-    return {PRESET: PresetName} | known
+    """Return the type of every parameter by its dotted name, in the order of table columns."""
+    return {PRESET: PresetName} | dict(_types(RunConfig, ""))
 
 
 def _types(kind: Any, prefix: str) -> Iterator[tuple[str, Any]]:
@@ -46,7 +45,7 @@ def _types(kind: Any, prefix: str) -> Iterator[tuple[str, Any]]:
 
 
 def _without_none(kind: Any) -> Any:
-    """The type itself where None, which TOML has not, may stand in its place."""
+    """Return a type without its alternative None, which TOML does not have."""
     if get_origin(kind) not in (Union, types.UnionType):
         return kind
     (plain,) = (part for part in get_args(kind) if part is not types.NoneType)
@@ -55,47 +54,49 @@ def _without_none(kind: Any) -> Any:
 
 @cache
 def sections() -> frozenset[str]:
-    """Names that hold parameters and are none themselves, such as "crossing.distractors"."""
+    """Return the names of groups of parameters, such as "crossing.distractors"."""
     parts = (name.split(".")[:-1] for name in parameter_types())
     return frozenset(".".join(part[:n]) for part in parts for n in range(1, len(part) + 1))
 
 
 def check_name(name: str) -> None:
-    """Refuse what is no parameter.
+    """Check the name of a parameter.
 
     Raises:
-        ScenarioError: there is none of that name; it says which are near.
+        ScenarioError: there is no such parameter; the message names similar ones.
     """
     known = parameter_types()
     if name in known:
         return
-    own, ends = name.rpartition(".")[2], {full.rpartition(".")[2]: full for full in known}
-    near = [full for end, full in ends.items() if end == own]
-    near += get_close_matches(name, known, n=2)
-    near += [full for end, full in ends.items() if own in end]
-    near += [ends[end] for end in get_close_matches(own, ends, n=2)]
-    nearest = ", ".join(list(dict.fromkeys(near))[:3])
-    hint = f"near it are {nearest}" if nearest else "none is near it"
+    last, by_last = name.rpartition(".")[2], {full.rpartition(".")[2]: full for full in known}
+    similar = [full for part, full in by_last.items() if part == last]
+    similar += get_close_matches(name, known, n=2)
+    similar += [full for part, full in by_last.items() if last in part]
+    similar += [by_last[part] for part in get_close_matches(last, by_last, n=2)]
+    nearest = ", ".join(list(dict.fromkeys(similar))[:3])
+    hint = f"Similar names are {nearest}." if nearest else "No name is similar."
     raise ScenarioError(
-        f"{name} is no parameter; {hint}; `flybench sweep --parameters` lists all that are allowed"
+        f"There is no parameter {name}. {hint} `flybench sweep --parameters` lists all parameters."
     )
 
 
 def converted(name: str, value: Any) -> Any:
-    """A value from TOML as the type of the parameter `name`.
+    """Return a value from TOML, converted to the type of the parameter `name`.
 
     Raises:
-        ScenarioError: it is of another type, or no member of the few that there are.
+        ScenarioError: the value has another type, or is not one of the allowed words.
     """
     kind = parameter_types()[name]
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError:
-        raise ScenarioError(f"{name} is {value!r}; allowed is {allowed(kind)}; give one") from None
+        raise ScenarioError(
+            f"{name} is {value!r}. Allowed is {allowed(kind)}. Correct the value."
+        ) from None
 
 
 def allowed(kind: Any) -> str:
-    """What a parameter of a type may be, in words; ranges are checked, and told, elsewhere."""
+    """Describe the allowed values of a type in words; ranges are checked elsewhere."""
     if get_origin(kind) is Literal:
         return "one of " + ", ".join(f'"{value}"' for value in get_args(kind))
     if get_origin(kind) is tuple:
@@ -114,15 +115,15 @@ _WORDS: dict[type, str] = {
 
 
 def make_config(settings: Settings) -> RunConfig:
-    """The run that has these values, and the defaults for all others.
+    """Return the run with these values, and defaults for all other parameters.
 
     Args:
-        settings: values of the parameters' own types. "sensor.preset" gives the sensor's other
-            parameters; those of the fly are the method's.
+        settings: values, of the parameters' types. "sensor.preset" gives the defaults of the
+            sensor, and "method" those of the fly.
 
     Raises:
-        ScenarioError: a value is outside its range, by its dotted name, or does not go with
-            another.
+        ScenarioError: a value is out of range or conflicts with another. The message names the
+            parameter by its dotted name.
     """
     method = settings.get(METHOD, FLY)
     fly = None
@@ -139,7 +140,7 @@ def make_config(settings: Settings) -> RunConfig:
 
 
 def _changed(base: C, section: str, settings: Settings) -> C:
-    """A section of the configuration with some of its values, and of the sections in it."""
+    """Return a section of the configuration, with its subsections, with changed values."""
     changes: dict[str, Any] = {}
     for field in fields(base):  # type: ignore[arg-type]
         name, value = f"{section}.{field.name}", getattr(base, field.name)

@@ -1,4 +1,4 @@
-"""The points of a sweep, in order, each checked before anything is rendered."""
+"""The points of a sweep, in order; every point is checked before anything is rendered."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scenarios.errors import ScenarioError
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_crossing, make_detector
 from scenarios.sweep.parameters import PRESET, SEED, Settings, make_config
-from scenarios.sweep.sweep_file import MOST_POINTS, SweepFile, SweepFileError, read_sweep
+from scenarios.sweep.sweep_file import MAX_POINTS, SweepFile, SweepFileError, read_sweep
 from sim import Profile
 
 
@@ -23,10 +23,10 @@ class Point:
     """One run of a sweep.
 
     Attributes:
-        config: the run.
-        labels: what the table says of it besides its parameters: names of levels, and of the
-            sensor's preset where one was given.
-        varied: the parameters that the grid, the sample and the seeds give it.
+        config: configuration of the run.
+        labels: further columns of the table: names of levels, and the sensor's preset if the file
+            sets one.
+        varied: values that come from the grid, the sample and the seeds.
     """
 
     config: RunConfig
@@ -36,12 +36,13 @@ class Point:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a sweep's file asks for.
+    """All runs that a sweep file describes.
 
     Attributes:
-        points: every combination of the levels of all axes, the last axis fastest; within each,
-            every draw; within that, every seed. What is drawn twice stands once.
-        text: the file's.
+        points: every combination of the levels of all axes, with the last axis varying fastest;
+            within each combination every draw, and within each draw every seed. Equal points
+            appear once.
+        text: text of the file.
     """
 
     points: tuple[Point, ...]
@@ -49,11 +50,11 @@ class Plan:
 
 
 def read_plan(path: Path) -> Plan:
-    """The points of a sweep's file, each checked.
+    """Read a sweep file and return its points, all checked.
 
     Raises:
-        SweepFileError: the file cannot be read, a value is out of range or does not go with
-            another, there are too many points, or a detector that is not there.
+        SweepFileError: the file cannot be read, a value is out of range or conflicts with another,
+            there are too many points, or a detector does not exist.
     """
     file = read_sweep(path)
     try:
@@ -67,24 +68,24 @@ def read_plan(path: Path) -> Plan:
 def _points(file: SweepFile) -> tuple[Point, ...]:
     count = math.prod(len(axis) for axis in file.axes) * max(1, len(file.seeds))
     count *= file.sample.count if file.sample else 1
-    if count > MOST_POINTS:
+    if count > MAX_POINTS:
         raise ScenarioError(
-            f"the sweep has {count:,} points; allowed are {MOST_POINTS:,}; give fewer levels or "
-            "seeds, or a sample in place of a grid"
+            f"The sweep has {count:,} points. Allowed are {MAX_POINTS:,}. Choose fewer levels or "
+            "seeds, or a sample instead of a grid."
         )
     points: dict[tuple[RunConfig, tuple[str, ...]], Point] = {}
-    for labels, named, varied in _combinations(file):
-        given = dict(file.fixed) | named | varied
-        own = labels | ({PRESET: given[PRESET]} if PRESET in given else {})
-        point = Point(make_config(given), own, varied)
-        points.setdefault((point.config, tuple(own.values())), point)
+    for level_labels, level_settings, varied in _combinations(file):
+        settings = dict(file.fixed) | level_settings | varied
+        labels = level_labels | ({PRESET: settings[PRESET]} if PRESET in settings else {})
+        point = Point(make_config(settings), labels, varied)
+        points.setdefault((point.config, tuple(labels.values())), point)
     return tuple(points.values())
 
 
 def _combinations(
     file: SweepFile,
 ) -> Iterator[tuple[dict[str, str], dict[str, Any], dict[str, Any]]]:
-    """Labels, what the levels that have them set, and what grid, sample and seeds set."""
+    """Yield the labels, the settings of named levels, and those of grid, sample and seeds."""
     draws = file.sample.settings() if file.sample else [{}]
     seeds = [{SEED: seed} for seed in file.seeds] or [{}]
     for levels in itertools.product(*file.axes):
@@ -100,12 +101,16 @@ def _merged(all_settings: Iterable[Settings]) -> dict[str, Any]:
 
 
 def _check_runs(configs: Sequence[RunConfig]) -> None:
-    """Refuse what only shows when it is made: a detector, or a motion without an end."""
+    """Create every detector, and every crossing with constant angular velocity, to find errors now.
+
+    Such a crossing may have no end, which no check of its parameters finds.
+    """
     detectors = {(c.method, c.fly, c.sensor.width, c.sensor.height): c for c in configs}
     for config in detectors.values():
         make_detector(config)
-    turning = [c for c in configs if c.crossing.profile is Profile.CONSTANT_OMEGA]
+    constant_omega = [c for c in configs if c.crossing.profile is Profile.CONSTANT_OMEGA]
     for config in {
-        (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px): c for c in turning
+        (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px): c
+        for c in constant_omega
     }.values():
         make_crossing(config)

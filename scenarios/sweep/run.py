@@ -1,4 +1,4 @@
-"""A sweep from its points to its table: what is finished is kept, what is not is measured."""
+"""Run a sweep: measure the points that are not finished, and write the table of all."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Protocol
 
 from scenarios.options.cache import CacheOptions
-from scenarios.output.folder import GENERATOR, SUMMARY
+from scenarios.output.atomic_folder import GENERATOR, SUMMARY
 from scenarios.pipeline.summary import versions
-from scenarios.sweep.code import code_digest, point_key
 from scenarios.sweep.folder import (
     COPY,
     CSV,
@@ -19,48 +18,49 @@ from scenarios.sweep.folder import (
     LOCK,
     PARQUET,
     drop_results,
+    durable_file,
     sweep_folder,
-    whole_file,
 )
 from scenarios.sweep.journal import Journal
-from scenarios.sweep.measure import Failure, Results, Task, make_tasks, measure
+from scenarios.sweep.measure import Failure, Results, Task, make_tasks, measure_task
 from scenarios.sweep.plan import Plan, Point
-from scenarios.sweep.table import Row, rows, write_csv, write_parquet
+from scenarios.sweep.point_key import code_digest, point_key
+from scenarios.sweep.table import Row, make_rows, write_csv, write_parquet
 
 Measure = Callable[[Task], list[Results | Failure]]
 Progress = Callable[[int, int], None]
-"""Called with the number of points that need no more work, and of all."""
+"""Called with the number of finished points and the number of all points."""
 
 
 class Runner(Protocol):
-    """What does tasks, here or elsewhere, and gives their numbers and results as they come."""
+    """Function that runs tasks, here or on a cluster, and yields results as they finish."""
 
     def __call__(
         self, function: Measure, tasks: Sequence[Task], /
     ) -> Iterator[tuple[int, list[Results | Failure]]]:
-        """Do them."""
+        """Run the tasks, and yield the index and the result of each."""
         ...
 
 
 @dataclass(frozen=True)
-class Done:
-    """How a sweep ended.
+class SweepResult:
+    """Result of a sweep.
 
     Attributes:
-        table: a row a point, in the order of the points; empty where a point failed.
-        failed: points that did, and why.
-        found: how many points were finished before.
-        left_out: how many finished points of the folder are none of this sweep's.
+        table: one row per point, in the order of the points; empty if a point failed.
+        failed: the failed points and the reasons.
+        reused: number of points that were finished before.
+        unused: number of finished points in the folder that do not belong to this sweep.
     """
 
     table: list[Row]
     failed: list[tuple[Point, str]]
-    found: int
-    left_out: int
+    reused: int
+    unused: int
 
 
-def finished(folder: Path, points: Sequence[Point]) -> int:
-    """How many of the points a folder holds already; nothing is written."""
+def count_finished(folder: Path, points: Sequence[Point]) -> int:
+    """Return how many of the points are finished in a folder, without writing to it."""
     if not (folder / JOURNAL).is_file():
         return 0
     known = Journal.read(folder / JOURNAL)
@@ -71,40 +71,40 @@ def run_sweep(
     plan: Plan,
     folder: Path,
     run: Runner,
-    light: CacheOptions | None = None,
+    cache: CacheOptions | None = None,
     *,
-    alone: bool = False,
-    measure: Measure = measure,
+    use_all_cores: bool = False,
+    measure: Measure = measure_task,
     progress: Progress = lambda _done, _all: None,
-) -> Done:
-    """Measure the points that the folder does not hold yet, and write the table of all.
+) -> SweepResult:
+    """Measure the points that are not finished in a folder, and write the table of all points.
 
-    The results depend neither on the runner nor on how often the sweep was begun.
+    The results do not depend on the runner, or on how often the sweep was interrupted.
 
     Args:
-        plan: the points, and the file's text, which is copied.
-        folder: where to; made, or taken up again.
-        run: does the tasks.
-        light: where rendered light is kept; None: the user's folder.
-        alone: whether tasks run one after the other, each with the whole machine.
-        measure: does one task.
-        progress: told at the start, and when points are finished.
+        plan: the points, and the text of the file, which is copied into the folder.
+        folder: output folder; it is created or resumed.
+        run: function that runs the tasks.
+        cache: cache for rendered luminance; None: the default cache.
+        use_all_cores: True if tasks run one after another, each on all cores.
+        measure: function that runs one task.
+        progress: function that is called at the start, and whenever points are finished.
 
     Raises:
-        OutputError: the folder is somebody else's, is being written by another process, or
-            cannot be written.
+        OutputError: the folder does not belong to a sweep, is in use by another process, or cannot
+            be written to.
     """
     keys = [point_key(point.config) for point in plan.points]
     configs = {key: point.config for key, point in zip(keys, plan.points, strict=True)}
     with sweep_folder(folder), Journal(folder / JOURNAL) as journal:
         drop_results(folder)
-        with whole_file(folder / COPY) as part:
+        with durable_file(folder / COPY) as part:
             part.write_text(plan.text, encoding="utf-8")
         missing = {c: key for key, c in configs.items() if key not in journal.done}
-        found, left_out = len(configs) - len(missing), len(journal.done.keys() - configs.keys())
-        done = found
+        reused, unused = len(configs) - len(missing), len(journal.done.keys() - configs.keys())
+        done = reused
         progress(done, len(configs))
-        tasks = make_tasks(missing, light or CacheOptions(), alone=alone)
+        tasks = make_tasks(missing, cache or CacheOptions(), use_all_cores=use_all_cores)
         reasons: dict[str, str] = {}
         for n, results in run(measure, tasks) if tasks else ():
             of_task = [missing[config] for config in tasks[n].configs]
@@ -112,26 +112,27 @@ def run_sweep(
             done += len(results)
             progress(done, len(configs))
         if reasons:
-            named = zip(plan.points, keys, strict=True)
-            return Done([], [(p, reasons[k]) for p, k in named if k in reasons], found, left_out)
-        table = rows(plan.points, [journal.done[key] for key in keys])
+            keyed = zip(plan.points, keys, strict=True)
+            failed = [(point, reasons[key]) for point, key in keyed if key in reasons]
+            return SweepResult([], failed, reused, unused)
+        table = make_rows(plan.points, [journal.done[key] for key in keys])
         _write(folder, table, plan.points)
-        return Done(table, [], found, left_out)
+        return SweepResult(table, [], reused, unused)
 
 
 def _keep(journal: Journal, results: Mapping[str, Results | Failure]) -> dict[str, str]:
-    """Write what was found; returns the reasons of what failed."""
+    """Add results to the journal; return the reasons of failures by key."""
     journal.add((key, r) for key, r in results.items() if not isinstance(r, Failure))
     return {key: r.reason for key, r in results.items() if isinstance(r, Failure)}
 
 
 def _write(folder: Path, table: Sequence[Row], points: Sequence[Point]) -> None:
-    """Write the tables, and then the summary: where it is, all is."""
-    with whole_file(folder / CSV) as part:
+    """Write the tables, and then the summary, whose presence shows that all is complete."""
+    with durable_file(folder / CSV) as part:
         write_csv(part, table)
-    with whole_file(folder / PARQUET) as part:
+    with durable_file(folder / PARQUET) as part:
         write_parquet(part, table)
-    said = {
+    summary = {
         "generator": GENERATOR,
         "command": "sweep",
         "points": len(points),
@@ -140,5 +141,5 @@ def _write(folder: Path, table: Sequence[Row], points: Sequence[Point]) -> None:
         "code": code_digest(),
         "files": sorted([COPY, CSV, JOURNAL, LOCK, PARQUET, SUMMARY]),
     }
-    with whole_file(folder / SUMMARY) as part:
-        part.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+    with durable_file(folder / SUMMARY) as part:
+        part.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The results as one tidy table: a row a point, with every parameter."""
+"""The results of a sweep as one tidy table: one row per point, with every parameter."""
 
 from __future__ import annotations
 
@@ -19,43 +19,43 @@ from scenarios.sweep.plan import Point
 Row = Mapping[str, Any]
 
 
-def rows(points: Sequence[Point], results: Sequence[Results]) -> list[Row]:
-    """A row a point: labels, parameters, truth, events and what the detector achieved.
+def make_rows(points: Sequence[Point], results: Sequence[Results]) -> list[Row]:
+    """Return one row per point: labels, parameters, truth, events and scores.
 
-    All have the same columns; a value is None where there is none, such as the fly's parameters
-    of another detector.
+    All rows have the same columns. A value is None if a point has none, such as the fly's
+    parameters for another detector.
     """
-    known = [_known(point) for point in points]
+    values = [_parameters(point) for point in points]
     labels = dict.fromkeys(name for point in points for name in point.labels)
-    given = set().union(*known)
-    parameters = [name for name in parameter_types() if name in given]
-    found = dict.fromkeys(name for result in results for name in result)
-    columns = dict.fromkeys([*labels, *parameters, *found])
-    made = [
+    used = set().union(*values)
+    parameters = [name for name in parameter_types() if name in used]
+    scores = dict.fromkeys(name for result in results for name in result)
+    columns = dict.fromkeys([*labels, *parameters, *scores])
+    rows = [
         dict(point.labels) | own | dict(result)
-        for point, own, result in zip(points, known, results, strict=True)
+        for point, own, result in zip(points, values, results, strict=True)
     ]
-    return [{name: _plain(row.get(name)) for name in columns} for row in made]
+    return [{name: _plain(row.get(name)) for name in columns} for row in rows]
 
 
-def _known(point: Point) -> dict[str, object]:
+def _parameters(point: Point) -> dict[str, object]:
     return {name: v for name, v in point.config.parameters().items() if name in parameter_types()}
 
 
 def _plain(value: Any) -> Any:
-    """What CSV and Parquet both hold: a list becomes its JSON."""
+    """Return a value that CSV and Parquet can both hold; a list becomes JSON."""
     if isinstance(value, StrEnum):
         return value.value
     return json.dumps(value) if isinstance(value, list | tuple) else value
 
 
 def write_csv(path: Path, table: Sequence[Row]) -> None:
-    """Write as CSV, with an empty cell for None."""
+    """Write the table as CSV; None becomes an empty cell."""
     write_table(path, tuple(table[0]), (tuple(row.values()) for row in table))
 
 
 def write_parquet(path: Path, table: Sequence[Row]) -> None:
-    """Write as Parquet; a column without any value is one of numbers."""
+    """Write the table as Parquet; a column without values gets the type float64."""
     columns = {name: pa.array([row[name] for row in table]) for name in table[0]}
     for name, column in columns.items():
         if pa.types.is_null(column.type):

@@ -1,1 +1,1 @@
-"""A folder of rendered luminance, so that a sequence is rendered once."""
+"""Disk cache of rendered luminance."""

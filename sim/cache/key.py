@@ -1,4 +1,4 @@
-"""What determines the light of a sequence, as one name: same name, same light, bit for bit."""
+"""Cache key of a sequence's luminance: equal keys mean equal luminance, bit for bit."""
 
 from __future__ import annotations
 
@@ -22,19 +22,23 @@ from sim.render.vulkan import vulkan_devices
 def luminance_key(
     config: CrossingConfig, model: mujoco.MjModel, lens: Intrinsics, times_us: Sequence[int]
 ) -> str:
-    """64 hexadecimal digits that tell a sequence's light from any other.
+    """Return the key of a sequence: a digest of everything that determines its luminance.
 
-    They stand for the configuration, the compiled scene (and so all assets in it), the lens, the
-    times, the sources of `sim` and `flybench` as they were when first asked for, the libraries
-    that draw, the machine's architecture, and its Vulkan devices with their drivers.
+    The digest covers the configuration, the compiled scene (and so all its assets), the lens, the
+    sample times, the sources of `sim` and `flybench` as they were when first asked for, the
+    versions of the libraries that compute luminance, the machine's architecture, and its Vulkan
+    devices with their drivers.
 
     Args:
-        config: what is shown.
-        model: the compiled scene.
-        lens: the camera's.
-        times_us: of the samples [µs].
+        config: configuration of the crossing.
+        model: compiled scene.
+        lens: intrinsics of the camera.
+        times_us: times of the samples [µs].
+
+    Returns:
+        64 hexadecimal digits.
     """
-    said = {
+    determinants = {
         "config": config.resolved(),
         "lens": asdict(lens),
         "sources": sources_digest(*LUMINANCE),
@@ -42,14 +46,14 @@ def luminance_key(
         "machine": platform.machine(),
         "devices": [asdict(device) for device in vulkan_devices()],
     }
-    digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+    digest = hashlib.sha256(json.dumps(determinants, sort_keys=True).encode())
     digest.update(np.array(times_us, np.int64).tobytes())
     digest.update(_bytes(model))
     return digest.hexdigest()
 
 
 def _bytes(model: mujoco.MjModel) -> bytes:
-    """The compiled model as MuJoCo would save it."""
+    """Return the compiled model in MuJoCo's file format."""
     buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
     mujoco.mj_saveModel(model, None, buffer)
     return buffer.tobytes()

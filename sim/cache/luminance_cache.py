@@ -1,9 +1,10 @@
-"""A folder that keeps light, so that a sweep over sensors draws each sequence once.
+"""Folder that caches rendered luminance, so that a sweep over sensors renders each sequence once.
 
-An entry is written under another name while it is drawn, and moved into place when it is whole; one
-that its writer could not finish is known by its lock, which ended with the writer. A reader has the
-file open, so that others may drop or replace it meanwhile. Where an entry proves damaged, it is
-dropped and the rest is drawn. Nothing that fails here ends a run, which goes on without.
+An entry is written under a temporary name while it is rendered, and renamed when it is complete.
+Its writer holds a lock on it. The lock ends with the writer, which shows that an entry was
+abandoned. A reader keeps the file open, so that others may delete or replace it meanwhile. A
+damaged entry is deleted and the rest of the sequence is rendered. No failure of the cache ends a
+run: the run then goes on without the cache.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from __future__ import annotations
 import fcntl
 import os
 import re
-import tempfile
 import warnings
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager, suppress
@@ -19,29 +19,37 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 
-from sim.cache.luminance_file import DamagedError, Light, LuminanceWriter, read_luminance, unsealed
+from sim.cache.luminance_file import (
+    DamagedError,
+    LuminanceSample,
+    PartialFile,
+    read_blob,
+    read_luminance,
+)
 from sim.errors import SimError
 
 LIMIT_BYTES = 4_000_000_000
-"""A hundred sequences like the paper's, which take 40 MB each (measured); the limit is assumed."""
+"""Room for a hundred sequences like the paper's, which take 40 MB each (measured); the limit is
+assumed."""
 LOCK = "flybench.lock"
-_IS_ENTRY = re.compile(r"[0-9a-f]{64}\.light")
-_IS_PART = re.compile(r"[0-9a-f]{64}\.\w+\.part")
+_ENTRY_NAME = re.compile(r"[0-9a-f]{64}\.light")
+_PARTIAL_NAME = re.compile(r"[0-9a-f]{64}\.\w+\.part")
 
-LuminanceStream = Generator[Light, None, None]
+LuminanceStream = Generator[LuminanceSample, None, None]
 
 
 class LuminanceCache:
-    """Keeps the light of the sequences used last, by their keys. Not for several threads at once.
+    """Cache of rendered luminance. Not thread-safe; any number of processes may share a folder.
 
-    Any number of processes may use one folder; files in it that are not entries are left alone.
+    The entries used longest ago are deleted when the folder becomes too large. Files in the folder
+    that are not cache entries are left alone.
 
     Attributes:
-        folder: where entries lie; made when the first is written.
-        limit_bytes: how much they may take together, those not counted that are being written.
-        found: how many samples were read so far.
-        drawn: how many were drawn.
-        keeps: whether what was drawn last was kept, too.
+        folder: folder of the entries; created when the first one is written.
+        limit_bytes: maximum total size of the complete entries.
+        read: number of samples read so far.
+        rendered: number of samples rendered so far.
+        stores: True if the samples rendered last were also stored.
     """
 
     def __init__(
@@ -51,72 +59,72 @@ class LuminanceCache:
         limit_bytes: int = LIMIT_BYTES,
         warn: Callable[[str], None] = warnings.warn,
     ) -> None:
-        """Name a folder; nothing is read or written yet.
+        """Set the folder; nothing is read or written yet.
 
         Args:
-            folder: where entries lie.
-            limit_bytes: how much they may take together; what was used longest ago goes first.
-            warn: told, in a sentence and once, that light cannot be kept, and why.
+            folder: folder of the entries.
+            limit_bytes: maximum total size. The entries used longest ago are deleted first.
+            warn: called once, with a message, if luminance cannot be stored.
 
         Raises:
-            SimError: a limit below 0.
+            SimError: `limit_bytes` is below 0.
         """
         if limit_bytes < 0:
             raise SimError(
-                f"limit_bytes is {limit_bytes}; allowed is 0 or more; leave it out for "
-                f"{LIMIT_BYTES:,}"
+                f"limit_bytes is {limit_bytes}. Allowed is 0 or more. Leave it out for the default "
+                f"of {LIMIT_BYTES:,}."
             )
         self.folder, self.limit_bytes = folder, limit_bytes
-        self.found = self.drawn = 0
-        self.keeps = False
+        self.read = self.rendered = 0
+        self.stores = False
         self._warn, self._warned, self._writes = warn, False, True
 
-    def light(
-        self, key: str, shape: tuple[int, int], count: int, draw: Callable[[], LuminanceStream]
+    def samples(
+        self, key: str, shape: tuple[int, int], count: int, render: Callable[[], LuminanceStream]
     ) -> LuminanceStream:
-        """Read a sequence's light, or draw it and keep it.
+        """Read a sequence's luminance, or render and store it.
 
         Args:
-            key: 64 hexadecimal digits that stand for all that determines the light.
+            key: 64 hexadecimal digits, a digest of everything that determines the luminance.
             shape: height and width of the image.
-            count: how many samples there are.
-            draw: gives all of them.
+            count: number of samples.
+            render: renders all samples.
 
         Yields:
-            Samples, read as they were drawn, bit for bit.
+            Samples; those read equal those rendered, bit for bit.
         """
         known = 0
-        for light in self._read(key, shape, count):
+        for sample in self._read(key, shape, count):
             known += 1
-            self.found += 1
-            yield light
+            self.read += 1
+            yield sample
         if known == count:
             return
-        with closing(draw()) as drawn, closing(self._keep(key, count, drawn)) as lights:
-            for light in islice(lights, known, None):
-                self.drawn += 1
-                yield light
+        with closing(render()) as rendered, closing(self._store(key, count, rendered)) as samples:
+            for sample in islice(samples, known, None):
+                self.rendered += 1
+                yield sample
 
-    def kept(self, key: str, make: Callable[[], bytes]) -> bytes:
-        """Read what goes with a sequence's light, such as pictures of it, or make and keep it.
+    def get_or_make(self, key: str, make: Callable[[], bytes]) -> bytes:
+        """Read data that accompany a sequence, such as its previews, or make and store them.
 
         Args:
-            key: 64 hexadecimal digits that stand for all that determines it.
-            make: gives it.
+            key: 64 hexadecimal digits, a digest of everything that determines the data.
+            make: makes the data.
         """
         with suppress(DamagedError, OSError):
             path = self._path(key)
-            body = unsealed(path.read_bytes(), key)
+            blob = read_blob(path.read_bytes(), key)
             os.utime(path)
-            return body
-        body = make()
+            return blob
+        blob = make()
         part = self._begin(key)
         if part is not None:
-            self._append(part, lambda: part.writer.seal(body), last=True)
-        return body
+            self._append(part, lambda: part.writer.write_blob(blob), last=True)
+        return blob
 
     def _read(self, key: str, shape: tuple[int, int], count: int) -> LuminanceStream:
-        """Samples from the first to the last before any damage; none without an entry."""
+        """Read the samples before any damage; none if there is no entry."""
         path = self._path(key)
         try:
             with path.open("rb") as file:
@@ -129,67 +137,69 @@ class LuminanceCache:
         except OSError:
             return
 
-    def _keep(self, key: str, count: int, drawn: LuminanceStream) -> LuminanceStream:
-        """Pass samples on and write them; with the last, the entry takes its place."""
+    def _store(self, key: str, count: int, rendered: LuminanceStream) -> LuminanceStream:
+        """Pass samples on and write them. The last one completes the entry."""
         part = self._begin(key)
         try:
-            for number, light in enumerate(drawn, start=1):
+            for number, sample in enumerate(rendered, start=1):
                 if part is not None:
-                    write = partial(part.writer.write, light)
+                    write = partial(part.writer.write, sample)
                     part = self._append(part, write, last=number == count)
-                self.keeps = part is not None or (self.keeps and number == count)
-                yield light
+                self.stores = part is not None or (self.stores and number == count)
+                yield sample
         finally:
             if part is not None:
-                part.drop()
+                part.discard()
 
-    def _begin(self, key: str) -> _Part | None:
+    def _begin(self, key: str) -> PartialFile | None:
         if not self._writes:
             return None
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with self._locked():
-                self._sweep()
-                return _Part(self.folder, key)
+                self._remove_abandoned()
+                return PartialFile(self.folder, key)
         except OSError as error:
             self._stop(error)
             return None
 
-    def _append(self, part: _Part, write: Callable[[], None], *, last: bool) -> _Part | None:
-        """Let a part be written to; gives None once nothing more is to be written."""
+    def _append(
+        self, part: PartialFile, write: Callable[[], None], *, last: bool
+    ) -> PartialFile | None:
+        """Write to a partial entry; return None when nothing more is to be written."""
         try:
             write()
             if part.writer.written > self.limit_bytes:
-                part.drop()
-                self._say(self._too_large())
+                part.discard()
+                self._warn_once(self._too_large())
                 return None
             if last:
                 with self._locked():
                     self._make_room(part.writer.written)
-                    part.settle(self._path(part.key))
+                    part.complete(self._path(part.key))
         except OSError as error:
-            part.drop()
+            part.discard()
             self._stop(error)
             return None
         return None if last else part
 
     def _too_large(self) -> str:
         return (
-            f"the light of a sequence takes more than the {self.limit_bytes / 1e9:g} GB that are "
-            f"allowed in {self.folder}, so it is not kept; allow more to have it kept"
+            f"the luminance of one sequence takes more than the {self.limit_bytes / 1e9:g} GB "
+            f"allowed in {self.folder}, so it is not stored. Raise the limit to store it."
         )
 
     def _stop(self, error: OSError) -> None:
         self._writes = False
-        self._say(
-            f"light cannot be kept in {self.folder} ({error.strerror}), so it is drawn each time; "
-            "choose another folder, make room, or use no cache"
+        self._warn_once(
+            f"luminance cannot be stored in {self.folder} ({error.strerror}), so it is rendered "
+            "each time. Choose another folder, free some space, or switch the cache off."
         )
 
-    def _say(self, sentence: str) -> None:
+    def _warn_once(self, message: str) -> None:
         if not self._warned:
             self._warned = True
-            self._warn(sentence)
+            self._warn(message)
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.light"
@@ -199,22 +209,22 @@ class LuminanceCache:
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
-        """One process at a time."""
+        """Keep other processes out of the folder."""
         with (self.folder / LOCK).open("wb") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield
 
-    def _sweep(self) -> None:
-        """Remove what writers have begun who are no more."""
-        for path in self._files(_IS_PART):
+    def _remove_abandoned(self) -> None:
+        """Delete the partial entries whose writer has ended."""
+        for path in self._files(_PARTIAL_NAME):
             with suppress(OSError), path.open("rb") as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 path.unlink()
 
     def _make_room(self, size: int) -> None:
-        """Remove the entries used longest ago, until one of `size` bytes has room."""
+        """Delete the entries used longest ago until another of `size` bytes fits."""
         entries = []
-        for path in self._files(_IS_ENTRY):
+        for path in self._files(_ENTRY_NAME):
             with suppress(FileNotFoundError):
                 found = path.stat()
                 entries.append((found.st_mtime_ns, found.st_size, path))
@@ -224,26 +234,3 @@ class LuminanceCache:
                 return
             path.unlink(missing_ok=True)
             spare += taken
-
-
-class _Part:
-    """An entry that is being written: under another name, locked as long as its writer lives."""
-
-    def __init__(self, folder: Path, key: str) -> None:
-        descriptor, name = tempfile.mkstemp(dir=folder, prefix=f"{key}.", suffix=".part")
-        self.key, self._path, self._file = key, Path(name), os.fdopen(descriptor, "wb")
-        fcntl.flock(self._file, fcntl.LOCK_EX)
-        self.writer = LuminanceWriter(self._file, key)
-
-    def settle(self, path: Path) -> None:
-        """Take the place of a whole entry."""
-        self._file.flush()
-        self._path.replace(path)
-        self._file.close()
-
-    def drop(self) -> None:
-        """Leave nothing behind."""
-        with suppress(OSError):
-            self._path.unlink()
-        with suppress(OSError):
-            self._file.close()

@@ -1,18 +1,22 @@
-"""The light of a sequence in one file: each sample as what it changes in the one before, exactly.
+"""File of a sequence's luminance: each sample as its exact change from the one before.
 
-A record is a head (lengths of tags and of both, time, rectangle, checksum) and a body: what changed
-of the rectangle's pixels, taken as 32-bit codes, as `sim.cache.packing` has it, its tags deflated.
-Every checksum goes on from the one before and the first from the sequence's key, so that a record
-that is damaged, misplaced or of another sequence is known before any of its light is used.
+A record has a head (lengths of tags and body, time, rectangle, checksum) and a body. The body holds
+what changed in the rectangle's pixels, as 32-bit codes packed by `sim.cache.packing`, with deflated
+tags. Each checksum continues the one before, and the first starts from the sequence's key. A record
+that is damaged, misplaced or from another sequence is therefore detected before it is used.
 """
 
 from __future__ import annotations
 
+import fcntl
 import os
 import struct
+import tempfile
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
@@ -25,27 +29,27 @@ F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
 U32 = npt.NDArray[np.uint32]
 
-LEVEL = 1
-"""Of deflation: the fastest; of a file, tags are but a twentieth (measured)."""
+DEFLATE_LEVEL = 1
+"""Level of deflation: the fastest. Tags make up only a twentieth of a file (measured)."""
 _HEAD = struct.Struct("<2Iq4i")
-_CHECK = struct.Struct("<I")
+_CHECKSUM = struct.Struct("<I")
 
 
 class DamagedError(Exception):
-    """A file is not what was written."""
+    """The content of a file is not what was written."""
 
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class LuminanceSample:
     """What the camera sees at one instant.
 
     Attributes:
         t_us: time since the start of the sequence [µs].
         luminance: (height, width) float32 [cd/m²].
-        body: (height, width) int32, the rigid body that each pixel's middle shows; see
-            `sim.raster.visibility.Visible`.
-        changed: x0, y0, x1, y1 of a rectangle outside of which both are as at the sample before,
-            half-open [px]; of the first sample, the whole image.
+        body: (height, width) int32, the rigid body at each pixel centre; see
+            `sim.raster.visibility.VisibilityMap`.
+        changed: x0, y0, x1, y1 of a rectangle outside which luminance and body equal those of the
+            sample before, half-open [px]. For the first sample it is the whole image.
     """
 
     t_us: int
@@ -55,106 +59,146 @@ class Light:
 
 
 class LuminanceWriter:
-    """Writes samples to a file, one after the other."""
+    """Writes samples to a file, one after another."""
 
     def __init__(self, file: BinaryIO, key: str) -> None:
-        """Begin.
+        """Start with an empty file.
 
         Args:
-            file: open for writing, empty.
-            key: of the sequence.
+            file: empty file, open for writing.
+            key: key of the sequence.
         """
-        self._file, self._check = file, zlib.crc32(key.encode())
+        self._file, self._checksum = file, zlib.crc32(key.encode())
         self._before: U32 | None = None
         self.written = 0
-        """Bytes so far."""
+        """Number of bytes written so far."""
 
-    def write(self, light: Light) -> None:
+    def write(self, sample: LuminanceSample) -> None:
         """Append a sample.
 
         Raises:
-            OSError: the file cannot take it.
+            OSError: the file cannot be written to.
         """
-        codes = _codes(light)
+        codes = _codes(sample)
         if self._before is None:
             self._before = np.zeros_like(codes)
-        x0, y0, x1, y1 = light.changed
+        x0, y0, x1, y1 = sample.changed
         tags, data = pack_change(codes[:, y0:y1, x0:x1], self._before[:, y0:y1, x0:x1])
-        deflated = zlib.compress(tags.data, LEVEL)
+        deflated = zlib.compress(tags.data, DEFLATE_LEVEL)
         body = deflated + data.tobytes()
-        head = _HEAD.pack(len(deflated), len(body), light.t_us, *light.changed)
-        self._check = zlib.crc32(body, zlib.crc32(head, self._check))
-        record = head + _CHECK.pack(self._check) + body
+        head = _HEAD.pack(len(deflated), len(body), sample.t_us, *sample.changed)
+        self._checksum = zlib.crc32(body, zlib.crc32(head, self._checksum))
+        record = head + _CHECKSUM.pack(self._checksum) + body
         self._file.write(record)
         self.written += len(record)
 
-    def seal(self, body: bytes) -> None:
-        """Write something else that goes with light, as the only thing in its file.
+    def write_blob(self, blob: bytes) -> None:
+        """Write data other than luminance, as the only content of the file.
 
         Raises:
-            OSError: the file cannot take it.
+            OSError: the file cannot be written to.
         """
-        self._check = zlib.crc32(body, self._check)
-        self.written += self._file.write(_CHECK.pack(self._check) + body)
+        self._checksum = zlib.crc32(blob, self._checksum)
+        self.written += self._file.write(_CHECKSUM.pack(self._checksum) + blob)
 
 
-def unsealed(content: bytes, key: str) -> bytes:
-    """What `LuminanceWriter.seal` wrote, from the whole content of its file.
+class PartialFile:
+    """Cache file being written, under a temporary name and locked as long as its writer lives."""
+
+    def __init__(self, folder: Path, key: str) -> None:
+        """Create the file.
+
+        Args:
+            folder: folder of the cache.
+            key: key of the entry.
+
+        Raises:
+            OSError: the file cannot be created.
+        """
+        descriptor, name = tempfile.mkstemp(dir=folder, prefix=f"{key}.", suffix=".part")
+        self.key, self._path, self._file = key, Path(name), os.fdopen(descriptor, "wb")
+        fcntl.flock(self._file, fcntl.LOCK_EX)
+        self.writer = LuminanceWriter(self._file, key)
+
+    def complete(self, path: Path) -> None:
+        """Close the file and give it its final name."""
+        self._file.flush()
+        self._path.replace(path)
+        self._file.close()
+
+    def discard(self) -> None:
+        """Delete the file."""
+        with suppress(OSError):
+            self._path.unlink()
+        with suppress(OSError):
+            self._file.close()
+
+
+def read_blob(content: bytes, key: str) -> bytes:
+    """Return what `LuminanceWriter.write_blob` wrote.
+
+    Args:
+        content: whole content of the file.
+        key: key that the file was written with.
 
     Raises:
-        DamagedError: the file is not what was written.
+        DamagedError: the content is not what was written.
     """
-    body = content[_CHECK.size :]
-    check = zlib.crc32(body, zlib.crc32(key.encode()))
-    if content[: _CHECK.size] != _CHECK.pack(check):
+    blob = content[_CHECKSUM.size :]
+    checksum = zlib.crc32(blob, zlib.crc32(key.encode()))
+    if content[: _CHECKSUM.size] != _CHECKSUM.pack(checksum):
         raise DamagedError
-    return body
+    return blob
 
 
-def read_luminance(file: BinaryIO, key: str, shape: tuple[int, int], count: int) -> Iterator[Light]:
+def read_luminance(
+    file: BinaryIO, key: str, shape: tuple[int, int], count: int
+) -> Iterator[LuminanceSample]:
     """Read a file that `LuminanceWriter` wrote.
 
     Args:
-        file: open for reading, at its start.
-        key: of the sequence.
-        shape: height and width of its image.
-        count: how many samples it must hold.
+        file: file open for reading, at its start.
+        key: key of the sequence.
+        shape: height and width of the image.
+        count: number of samples that the file must hold.
 
     Yields:
         Samples; each owns its arrays.
 
     Raises:
-        DamagedError: the file is not what was written; what came before is right.
-        OSError: it cannot be read.
+        DamagedError: the content is not what was written. The samples before it are correct.
+        OSError: the file cannot be read.
     """
-    check, codes = zlib.crc32(key.encode()), np.zeros((2, *shape), np.uint32)
+    checksum, codes = zlib.crc32(key.encode()), np.zeros((2, *shape), np.uint32)
     left = os.fstat(file.fileno()).st_size
     for _ in range(count):
-        head = file.read(_HEAD.size + _CHECK.size)
+        head = file.read(_HEAD.size + _CHECKSUM.size)
         left -= len(head)
-        if len(head) < _HEAD.size + _CHECK.size:
+        if len(head) < _HEAD.size + _CHECKSUM.size:
             raise DamagedError
         deflated, length, t_us, *rectangle = _HEAD.unpack_from(head)
         if length > left:
             raise DamagedError
         body = file.read(length)
         left -= length
-        check = zlib.crc32(body, zlib.crc32(head[: _HEAD.size], check))
-        if _CHECK.unpack_from(head, _HEAD.size)[0] != check:
+        checksum = zlib.crc32(body, zlib.crc32(head[: _HEAD.size], checksum))
+        if _CHECKSUM.unpack_from(head, _HEAD.size)[0] != checksum:
             raise DamagedError
         _add(codes, memoryview(body), deflated, tuple(rectangle))
-        luminance, shown = codes.copy()
-        yield Light(t_us, luminance.view(np.float32), shown.view(np.int32), tuple(rectangle))
+        luminance, bodies = codes.copy()
+        yield LuminanceSample(
+            t_us, luminance.view(np.float32), bodies.view(np.int32), tuple(rectangle)
+        )
 
 
-def _codes(light: Light) -> U32:
-    """(2, height, width) luminance and bodies, bit for bit."""
-    luminance = np.ascontiguousarray(light.luminance, np.float32).view(np.uint32)
-    return np.stack([luminance, np.ascontiguousarray(light.body, np.int32).view(np.uint32)])
+def _codes(sample: LuminanceSample) -> U32:
+    """Return luminance and body numbers as 32-bit codes, (2, height, width)."""
+    luminance = np.ascontiguousarray(sample.luminance, np.float32).view(np.uint32)
+    return np.stack([luminance, np.ascontiguousarray(sample.body, np.int32).view(np.uint32)])
 
 
 def _add(codes: U32, body: memoryview, deflated: int, rectangle: Rectangle) -> None:
-    """Add what changed to (2, height, width) codes, in place."""
+    """Add the changes of a record's body to (2, height, width) codes, in place."""
     x0, y0, x1, y1 = rectangle
     part = codes[:, y0:y1, x0:x1]
     try:

@@ -22,9 +22,9 @@ NEAR_M = 0.05
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """A lens without distortion, its axis through the middle of the sensor.
+    """Intrinsics of a lens without distortion whose axis passes through the middle of the sensor.
 
-    Defaults are a DAVIS346 behind a 6 mm lens: 18.5 µm pixels (Taverni et al. 2018).
+    The defaults are a DAVIS346 behind a 6 mm lens: 18.5 µm pixels (Taverni et al. 2018).
     """
 
     width: int = 346
@@ -32,11 +32,11 @@ class Intrinsics:
     focal_px: float = 6.0e-3 / 18.5e-6
 
     def grown(self, margin_px: int) -> Intrinsics:
-        """The same lens before a sensor that is larger by a margin on all sides [px]."""
+        """Return this lens with a sensor that is larger by a margin on all sides [px]."""
         return Intrinsics(self.width + 2 * margin_px, self.height + 2 * margin_px, self.focal_px)
 
     def scaled(self, factor: int) -> Intrinsics:
-        """The same field of view with `factor` times as many pixels along each axis."""
+        """Return this field of view with `factor` times as many pixels along each axis."""
         return Intrinsics(self.width * factor, self.height * factor, self.focal_px * factor)
 
     @property
@@ -52,12 +52,12 @@ class Intrinsics:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a camera is and how it looks: world position [m] and the world's unit vectors.
+    """Pose of a camera in the world.
 
     Attributes:
-        position_m: (3,) optical centre.
-        right: (3,) image x.
-        up: (3,) against image y.
+        position_m: (3,) position of the optical centre [m].
+        right: (3,) unit vector along image x.
+        up: (3,) unit vector against image y.
     """
 
     position_m: Vectors
@@ -66,24 +66,24 @@ class Pose:
 
     @cached_property
     def forward(self) -> Vectors:
-        """(3,) optical axis."""
+        """(3,) unit vector along the optical axis."""
         return np.cross(self.up, self.right)
 
     @cached_property
     def into(self) -> Vectors:
-        """(3, 4) rigid move from the world into the camera's frame: right, down, forward."""
+        """(3, 4) rigid transform from the world to the camera's frame (right, down, forward)."""
         axes = np.stack([self.right, -self.up, self.forward])
         return np.column_stack([axes, -axes @ self.position_m])
 
     def rolled(self, angle_rad: float) -> Pose:
-        """The same place and axis, the camera turned so that its image x turns towards image y."""
+        """Return this pose rolled about the optical axis, image x towards image y [rad]."""
         cosine, sine = math.cos(angle_rad), math.sin(angle_rad)
         right = cosine * self.right - sine * self.up
         return Pose(self.position_m, right, cosine * self.up + sine * self.right)
 
 
 class Eye(NamedTuple):
-    """The camera's geometry [pixels]."""
+    """Focal length and principal point of a camera, for kernels [px]."""
 
     focal: float
     centre_x: float
@@ -91,16 +91,16 @@ class Eye(NamedTuple):
 
 
 def project(points_m: Vectors, pose: Pose, intrinsics: Intrinsics) -> tuple[Vectors, Vectors]:
-    """Project world points.
+    """Project world points onto the image.
 
     Args:
-        points_m: (n, 3) world coordinates.
-        pose: the camera's.
-        intrinsics: the lens and sensor.
+        points_m: (n, 3) world coordinates [m].
+        pose: pose of the camera.
+        intrinsics: lens and sensor of the camera.
 
     Returns:
-        (n, 2) image coordinates [px] and (n,) depths along the optical axis [m]; a point with a
-        depth of 0 or less is behind the camera and its coordinates mean nothing.
+        (n, 2) image coordinates [px] and (n,) depths along the optical axis [m]. A point with a
+        depth of 0 or less is behind the camera; its coordinates have no meaning.
     """
     relative = points_m - pose.position_m
     depth = relative @ pose.forward

@@ -13,19 +13,19 @@ from sim.geometry.pinhole import Intrinsics, Pose
 F64 = npt.NDArray[np.float64]
 Point = F64 | tuple[float, float]
 Rectangle = tuple[int, int, int, int]
-"""x0, y0, x1, y1 [px], half-open."""
+"""x0, y0, x1, y1 of a rectangle of pixels, half-open [px]."""
 
 MARGIN_PX = 2
-"""Reach of the lens's blur, and of what a pixel asks of its neighbours (assumed)."""
+"""Margin for the blur of the lens and for the neighbours that a pixel depends on [px] (assumed)."""
 
 
 def rectangle_around(low: Point, high: Point, lens: Intrinsics) -> Rectangle | None:
-    """The rectangle of pixels around a span of image coordinates; None outside of the image.
+    """Return the rectangle of pixels around a span of image coordinates; None outside the image.
 
     Args:
         low: (2,) lowest x and y [px].
-        high: (2,) highest.
-        lens: the camera's.
+        high: (2,) highest x and y [px].
+        lens: intrinsics of the camera.
     """
     x0 = min(max(math.floor(low[0]) - MARGIN_PX, 0), lens.width)
     y0 = min(max(math.floor(low[1]) - MARGIN_PX, 0), lens.height)
@@ -35,19 +35,19 @@ def rectangle_around(low: Point, high: Point, lens: Intrinsics) -> Rectangle | N
 
 
 def whole(lens: Intrinsics) -> Rectangle:
-    """The whole image."""
+    """Return the rectangle of the whole image."""
     return 0, 0, lens.width, lens.height
 
 
 def points_rectangle(points_m: F64, pose: Pose, lens: Intrinsics) -> Rectangle | None:
-    """The rectangle that holds the convex hull of world points, (n, 3) [m]."""
+    """Return the rectangle that holds the convex hull of (n, 3) world points [m]."""
     return _around(*_span(points_m, pose.into, lens.focal_px), lens)
 
 
 def _around(
     low_x: float, low_y: float, high_x: float, high_y: float, behind: int, lens: Intrinsics
 ) -> Rectangle | None:
-    """The rectangle around what `_span` found."""
+    """Return the rectangle around the result of `_span`."""
     if behind:
         return whole(lens) if low_x <= high_x else None
     x, y = lens.width / 2, lens.height / 2
@@ -55,7 +55,7 @@ def _around(
 
 
 def hull(rectangles: list[Rectangle]) -> Rectangle:
-    """The smallest rectangle that holds all; one without pixels where there are none."""
+    """Return the smallest rectangle that holds all; an empty one if there are none."""
     if not rectangles:
         return 0, 0, 0, 0
     x0, y0, x1, y1 = zip(*rectangles, strict=True)
@@ -63,7 +63,7 @@ def hull(rectangles: list[Rectangle]) -> Rectangle:
 
 
 def merged(rectangles: list[Rectangle]) -> list[Rectangle]:
-    """Windows that hold the same pixels and do not overlap."""
+    """Join overlapping rectangles until none overlap."""
     apart: list[Rectangle] = []
     for rectangle in rectangles:
         grown = rectangle
@@ -80,7 +80,10 @@ def _overlap(a: Rectangle, b: Rectangle) -> bool:
 
 @compiled
 def _span(points_m: F64, into: F64, focal_px: float) -> tuple[float, float, float, float, int]:
-    """Least and greatest x and y of projected points from the axis [px]; how many lie behind."""
+    """Return the lowest and highest x and y of projected points from the optical axis [px].
+
+    The last value is the number of points behind the camera.
+    """
     low_x = low_y = math.inf
     high_x = high_y = -math.inf
     behind = 0

@@ -1,4 +1,4 @@
-"""Rigid moves as (…, 3, 4) matrices: a rotation, and in the last column a translation."""
+"""Rigid transforms as (…, 3, 4) matrices: a rotation and, in the last column, a translation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ F64 = npt.NDArray[np.float64]
 
 @compiled
 def axes_along(direction: F64) -> F64:
-    """(3, 3) rows right, down and forward of a frame that looks along a unit vector."""
+    """Return the (3, 3) rows right, down, forward of a frame that looks along a unit vector."""
     x, y, z = direction[0], direction[1], direction[2]
     if abs(z) < 0.9:  # right is level
         long = math.hypot(x, y)
@@ -28,7 +28,7 @@ def axes_along(direction: F64) -> F64:
 
 @inlined
 def transform_point(moves: F64, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A point after move `k` of (n, 3, 4)."""
+    """Return a point after transform `k` of (n, 3, 4)."""
     return (
         moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] * z + moves[k, 0, 3],
         moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] * z + moves[k, 1, 3],
@@ -37,23 +37,23 @@ def transform_point(moves: F64, k: int, x: float, y: float, z: float) -> tuple[f
 
 
 def world_to_frame(axes: F64, place_m: F64) -> F64:
-    """(3, 4) from the world into the frame at `place_m` whose axes are the rows of `axes`."""
+    """Return the (3, 4) transform from the world to a frame at `place_m` with rows `axes`."""
     return np.column_stack([axes, -axes @ place_m])
 
 
 def body_poses(data: mujoco.MjData) -> F64:
-    """(bodies, 3, 4) from each body's frame into the world."""
+    """Return the (bodies, 3, 4) transforms from the frame of each body to the world."""
     return np.concatenate([data.xmat.reshape(-1, 3, 3), data.xpos[:, :, None]], axis=2)
 
 
 def compose_transforms(before: F64, after: F64) -> F64:
-    """The moves `before`, then `after`."""
+    """Return the transform that applies `before`, then `after`."""
     moved: F64 = after[..., :3] @ before
     moved[..., 3] += after[..., 3]
     return moved
 
 
-def inverse_transform(moves: F64) -> F64:
-    """The way back."""
-    back = np.swapaxes(moves[..., :3], -1, -2)
-    return np.concatenate([back, -(back @ moves[..., 3:])], axis=-1)
+def inverse_transform(transforms: F64) -> F64:
+    """Return the inverse transforms."""
+    back = np.swapaxes(transforms[..., :3], -1, -2)
+    return np.concatenate([back, -(back @ transforms[..., 3:])], axis=-1)

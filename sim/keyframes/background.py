@@ -1,9 +1,10 @@
-"""The still street, taken apart by light, so that it can be lit anew without being drawn anew.
+"""The static background, split into layers by light, so that it is rendered only once.
 
-Light is linear: what the camera sees is the sum of what each lamp adds. So the street is drawn
-once with all lamps, once without those that cast shadows, once with each of these alone, and never
-again; a passing shadow takes its share from its own lamp alone. What is left where all are shut
-out is drawn as such: as a difference it would be as rough as the renderer's rounding.
+Light is additive: the luminance that the camera sees is the sum of the contributions of all lights.
+The background is therefore rendered once with all lights, once without those that cast shadows, and
+once with each of these alone. A shadow of a moving object then dims the layer of its own light
+only. The layer that remains without these lights is rendered by itself: as a difference of two
+images it would contain the renderer's rounding errors.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster.aperture import to_pixels
-from sim.raster.scan_conversion import empty_buffer, perspective, rasterise
-from sim.raster.triangles import Soup, unit_normals
+from sim.raster.scan_conversion import empty_buffer, project_triangles, rasterise
+from sim.raster.triangles import TriangleSoup, unit_normals
 from sim.render.filament import FilamentRenderer
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights, sky_lights
 
@@ -31,28 +32,31 @@ F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 Numbers = npt.NDArray[np.int64]
 
-FAR = 1e-6
-"""Nearness of what is at no distance, such as the sky [1/m] (assumed)."""
+FAR_NEARNESS = 1e-6
+"""Nearness that stands for an infinite distance, such as the sky's [1/m] (assumed)."""
 
 
 class Background(NamedTuple):
-    """What never moves, by light.
+    """The static background, as layers of light and geometry.
+
+    Layer 0 is the steady light. One layer follows for each light that casts shadows: what it adds
+    where nothing blocks it. The last layer is that of the flickering lamps, if there are any.
 
     Attributes:
-        pixels: (1 + lights, height, width) float32 [cd/m²]: what comes steadily, then what each
-            light that casts shadows adds where nothing is in its way.
-        points: the same on the fine grid, but (rows, columns, 1 + lights): they are read point by
-            point.
-        albedo_points: fine grid, float32 [cd/m² a lux].
-        nearness: fine grid, 1/depth [1/m], float32.
-        depth: (height, width) float32 at the pixels' middles [m].
-        normals: (height, width, 3) float32 at the pixels' middles, in the camera's frame.
+        pixels: (layers, height, width) float32 luminance [cd/m²].
+        subpixels: (rows, columns, layers) float32 luminance of the sub-pixels [cd/m²]. The layers
+            come last because all of them are read at one sub-pixel after another.
+        subpixel_albedo: (rows, columns) float32 luminance per illuminance [cd/m² per lux].
+        subpixel_nearness: (rows, columns) float32 1/depth [1/m].
+        depth: (height, width) float32 depth at the pixel centres [m].
+        normals: (height, width, 3) float32 unit normals at the pixel centres, in the camera's
+            frame.
     """
 
     pixels: F32
-    points: F32
-    albedo_points: F32
-    nearness: F32
+    subpixels: F32
+    subpixel_albedo: F32
+    subpixel_nearness: F32
     depth: F32
     normals: F32
 
@@ -62,139 +66,170 @@ def render_background(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     pose: Pose,
-    soup: Soup,
-    shadowing: Numbers,
-    mains: FlickeringLamps | None,
+    soup: TriangleSoup,
+    shadow_lights: Numbers,
+    flickering: FlickeringLamps | None,
     rectangle: Rectangle,
     supersample: int,
     blur_px: float,
-    finer: int = 1,
+    oversample: int = 1,
     *,
     with_albedo: bool = True,
 ) -> Background:
-    """Draw what never moves, light by light.
+    """Render the static background, layer by layer.
 
     Args:
-        renderer: of `model`, with all that moves hidden and its lamps off.
-        model: its lights are changed, and put back.
-        data: where the still things are.
-        pose: the camera's.
-        soup: the triangles of what never moves.
-        shadowing: (lights,) numbers of the lights in whose way movers can be.
-        mains: what flickers; its glow makes a last part.
-        rectangle: what shadows and beams can reach; elsewhere the lights are not told apart.
-        supersample: fine points per pixel and axis.
-        blur_px: deviation of the lens's point spread [px].
-        finer: each fine point is the mean of so many drawn along each axis.
-        with_albedo: whether movers have lamps; else nobody asks for it, and it is left at 0.
+        renderer: renderer of `model`, with moving objects hidden and their lamps off.
+        model: model whose lights are changed temporarily.
+        data: poses of the static objects.
+        pose: pose of the camera.
+        soup: triangles of the static objects.
+        shadow_lights: (n,) numbers of the lights that moving objects can block.
+        flickering: lamps that flicker; their light becomes the last layer.
+        rectangle: area that shadows and beams can reach. Outside it the lights are not separated.
+        supersample: sub-pixels per pixel and axis.
+        blur_px: standard deviation of the lens's point spread [px].
+        oversample: rendered samples per sub-pixel and axis, which are averaged.
+        with_albedo: True if moving objects have lamps. Otherwise the albedo is not needed and
+            stays 0.
     """
     lens = renderer.intrinsics
 
-    def drawn(which: Rectangle) -> F32:
+    def render(area: Rectangle) -> F32:
         renderer.update(data)
-        return _averaged(renderer.fine(pose, which, finer * supersample), finer)
+        return _averaged(
+            renderer.subpixel_luminance(pose, area, oversample * supersample), oversample
+        )
 
-    everything = (0, 0, lens.width, lens.height)
-    whole = drawn(everything)
-    points = np.zeros((1 + len(shadowing) + (mains is not None), *whole.shape), np.float32)
-    points[0] = whole
-    box = tuple(
-        slice(supersample * a, supersample * b) for a, b in (rectangle[1::2], rectangle[::2])
-    )
-    if mains is not None:
-        with mains.scaled(model, 0.0):
-            points[0] = np.minimum(drawn(everything), whole)
-        points[-1] = whole - points[0]
-    dark: dict[int, float] = dict.fromkeys((int(k) for k in shadowing), 0.0)
-    if dark:
-        with changed_lights(model, dark):
-            points[0][box] = rest = drawn(rectangle)
-        for light, part in zip(list(dark)[1:], points[2:], strict=False):
-            without = {k: v for k, v in dark.items() if k != light}
-            with changed_lights(model, without):
-                part[box] = np.maximum(drawn(rectangle) - rest, 0.0)
-        others = points[2 : 1 + len(dark)].sum(axis=0)[box]
-        points[1][box] = np.maximum(whole[box] - rest - others, 0.0)
-        if mains is not None:
-            with changed_lights(model, dark), mains.scaled(model, 0.0):
-                points[0][box] = np.minimum(drawn(rectangle), rest)
-            points[-1][box] = rest - points[0][box]
-    albedo = np.zeros(whole.shape, np.float32)
+    layers = _render_layers(render, model, shadow_lights, flickering, rectangle, lens, supersample)
+    albedo = np.zeros(layers.shape[1:], np.float32)
     if with_albedo:
-        albedo[box] = _albedo(model, lambda: drawn(rectangle))
-    nearness, depth, normals = _shape(lens, data, pose, soup, supersample)
+        albedo[_subpixels_of(rectangle, supersample)] = _albedo(model, lambda: render(rectangle))
+    nearness, depth, normals = _geometry(lens, data, pose, soup, supersample)
     return Background(
-        pixels=np.stack([to_pixels(part, supersample, blur_px) for part in points]),
-        points=np.ascontiguousarray(np.moveaxis(points, 0, -1)),
-        albedo_points=albedo,
-        nearness=nearness,
+        pixels=np.stack([to_pixels(layer, supersample, blur_px) for layer in layers]),
+        subpixels=np.ascontiguousarray(np.moveaxis(layers, 0, -1)),
+        subpixel_albedo=albedo,
+        subpixel_nearness=nearness,
         depth=depth,
         normals=normals,
     )
 
 
-def _averaged(fine: F32, count: int) -> F32:
-    """Means of squares of `count` × `count` points."""
+def _render_layers(
+    render: Callable[[Rectangle], F32],
+    model: mujoco.MjModel,
+    shadow_lights: Numbers,
+    flickering: FlickeringLamps | None,
+    rectangle: Rectangle,
+    lens: Intrinsics,
+    supersample: int,
+) -> F32:
+    """Return the layers of the background, (layers, rows, columns) sub-pixels [cd/m²].
+
+    Args as those of `render_background`; `render` renders a rectangle with the lights of `model`.
+    """
+    image = (0, 0, lens.width, lens.height)
+    whole = render(image)
+    layers = np.zeros((1 + len(shadow_lights) + (flickering is not None), *whole.shape), np.float32)
+    layers[0] = whole
+    box = _subpixels_of(rectangle, supersample)
+    if flickering is not None:
+        with flickering.scaled(model, 0.0):
+            layers[0] = np.minimum(render(image), whole)
+        layers[-1] = whole - layers[0]
+    off: dict[int, float] = dict.fromkeys((int(k) for k in shadow_lights), 0.0)
+    if off:
+        with changed_lights(model, off):
+            layers[0][box] = rest = render(rectangle)
+        for light, layer in zip(list(off)[1:], layers[2:], strict=False):
+            others_off = {k: v for k, v in off.items() if k != light}
+            with changed_lights(model, others_off):
+                layer[box] = np.maximum(render(rectangle) - rest, 0.0)
+        others = layers[2 : 1 + len(off)].sum(axis=0)[box]
+        layers[1][box] = np.maximum(whole[box] - rest - others, 0.0)
+        if flickering is not None:
+            with changed_lights(model, off), flickering.scaled(model, 0.0):
+                layers[0][box] = np.minimum(render(rectangle), rest)
+            layers[-1][box] = rest - layers[0][box]
+    return layers
+
+
+def _subpixels_of(rectangle: Rectangle, supersample: int) -> tuple[slice, slice]:
+    """Return the rows and columns of a rectangle's sub-pixels."""
+    x0, y0, x1, y1 = (supersample * edge for edge in rectangle)
+    return slice(y0, y1), slice(x0, x1)
+
+
+def _averaged(image: F32, count: int) -> F32:
+    """Return the means of squares of `count` × `count` samples."""
     if count == 1:
-        return fine
-    size = fine.shape[1] // count, fine.shape[0] // count
-    return np.asarray(cv2.resize(fine, size, interpolation=cv2.INTER_AREA), np.float32)
+        return image
+    size = image.shape[1] // count, image.shape[0] // count
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
-def _albedo(model: mujoco.MjModel, drawn: Callable[[], F32]) -> F32:
-    """Luminance of each fine point a lux on it [cd/m² a lux].
+def _albedo(model: mujoco.MjModel, render: Callable[[], F32]) -> F32:
+    """Return the luminance per illuminance of each sub-pixel [cd/m² per lux].
 
-    The sky is everywhere alike, so that a surface returns its light whichever way it faces.
+    It is measured under the sky alone, which is equally bright in all directions, so that it does
+    not depend on which way a surface faces.
     """
     sky = sky_lights(model)
     if not sky.size:
-        return np.zeros_like(drawn())
-    dark: dict[int, float] = dict.fromkeys(range(model.nlight), 0.0)
-    with changed_lights(model, dark):
-        glow = drawn()
-    with changed_lights(model, dark | {int(sky[0]): 1.0}):
-        return np.asarray(np.maximum(drawn() - glow, 0.0) / np.float32(math.pi), np.float32)
+        return np.zeros_like(render())
+    off: dict[int, float] = dict.fromkeys(range(model.nlight), 0.0)
+    with changed_lights(model, off):
+        emitted = render()
+    with changed_lights(model, off | {int(sky[0]): 1.0}):
+        return np.asarray(np.maximum(render() - emitted, 0.0) / np.float32(math.pi), np.float32)
 
 
-def _shape(
-    lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: Soup, supersample: int
+def _geometry(
+    lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: TriangleSoup, supersample: int
 ) -> tuple[F32, F32, F32]:
-    """Nearness of the fine points; depth and normals, in the camera's frame, at pixels' middles."""
-    nearness = street_nearness(lens, data, pose, soup, supersample)
-    seen = soup.moved(compose_transforms(body_poses(data), pose.into))
-    middles, label = draw_triangles(seen, lens, 1)
-    normals = np.concatenate([unit_normals(seen), np.zeros((1, 3))])[label]
-    depth = np.asarray(1 / np.maximum(middles, np.float32(FAR)), np.float32)
+    """Return the sub-pixels' nearness, and the pixel centres' depth and normals."""
+    nearness = background_nearness(lens, data, pose, soup, supersample)
+    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    centre_nearness, label = rasterise_image(in_camera, lens, 1)
+    normals = np.concatenate([unit_normals(in_camera), np.zeros((1, 3))])[label]
+    depth = np.asarray(1 / np.maximum(centre_nearness, np.float32(FAR_NEARNESS)), np.float32)
     return nearness, depth, normals.astype(np.float32)
 
 
-def street_nearness(
-    lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: Soup, supersample: int
+def background_nearness(
+    lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: TriangleSoup, supersample: int
 ) -> F32:
-    """Nearness of what never moves at the fine points of the whole image, float32 [1/m].
+    """Return the nearness of the background at all sub-pixels of the image.
 
     Args:
-        lens: the camera's.
-        data: where the still things are.
-        pose: the camera's.
-        soup: the triangles of what never moves.
-        supersample: points per pixel and axis.
+        lens: intrinsics of the camera.
+        data: poses of the static objects.
+        pose: pose of the camera.
+        soup: triangles of the static objects.
+        supersample: sub-pixels per pixel and axis.
+
+    Returns:
+        (rows, columns) float32 [1/m].
     """
-    seen = soup.moved(compose_transforms(body_poses(data), pose.into))
-    nearness, _ = draw_triangles(seen, lens, supersample)
-    return np.maximum(nearness, np.float32(FAR))
+    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    nearness, _ = rasterise_image(in_camera, lens, supersample)
+    return np.maximum(nearness, np.float32(FAR_NEARNESS))
 
 
-def draw_triangles(seen: F64, lens: Intrinsics, supersample: int) -> tuple[F32, I32]:
-    """Nearness [1/m] and number of the triangle at each fine point of the whole image.
+def rasterise_image(triangles: F64, lens: Intrinsics, supersample: int) -> tuple[F32, I32]:
+    """Rasterise triangles at all sub-pixels of the image.
 
     Args:
-        seen: (n, 3, 3) triangles in the camera's frame [m].
-        lens: the camera's.
-        supersample: points per pixel and axis.
+        triangles: (n, 3, 3) triangles in the camera's frame [m].
+        lens: intrinsics of the camera.
+        supersample: sub-pixels per pixel and axis.
+
+    Returns:
+        Nearness [1/m] and index of the triangle, (rows, columns) each.
     """
     nearness, label = empty_buffer(lens.height * supersample, lens.width * supersample)
-    middle = lens.width * supersample / 2, lens.height * supersample / 2
-    flat, source = perspective(seen, lens.focal_px * supersample, *middle, NEAR_M)
-    rasterise(flat, source, 0, 0, nearness, label, True)
+    centre = lens.width * supersample / 2, lens.height * supersample / 2
+    projected, source = project_triangles(triangles, lens.focal_px * supersample, *centre, NEAR_M)
+    rasterise(projected, source, 0, 0, nearness, label, True)
     return nearness, label

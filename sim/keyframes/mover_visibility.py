@@ -1,9 +1,9 @@
-"""Which part of a mover each point of the fine grid shows: exact, from poses and triangles.
+"""Part of a moving object that each sub-pixel shows, computed exactly from poses and triangles.
 
-A part is a rigid body, but for two things. A lamp is so much brighter than what it sits in that a
-sliver of it, gone astray, would outshine a whole pixel: each is a part of its own. And a wheel is
-lit anew as it turns: where its tyre is an open ring, the spokes must not be lit as the ring's
-inside is, so that each of the wheel's materials is a part.
+A part is a rigid body, with two exceptions. A lamp is a separate part: it is so much brighter than
+its surroundings that a misplaced sliver of it would outshine a whole pixel. Each material of an
+open wheel is a separate part, because the illumination of a wheel does not rotate with it: where
+the tyre is an open ring, the spokes must not get the illumination of the ring's inner side.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ import numpy.typing as npt
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, rectangle_around
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NOTHING, bounds, perspective, rasterise
-from sim.raster.triangles import Soup
+from sim.raster.scan_conversion import NO_LABEL, label_bounds, project_triangles, rasterise
+from sim.raster.triangles import TriangleSoup
 from sim.scene.lighting import OFF_EMISSION
-from sim.scene.moving_objects import PEDESTRIAN, TREE, MovingObject
+from sim.scene.moving_objects import MovingObject
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -29,12 +29,12 @@ I32 = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
-    """The parts of a model; the first have the numbers of the bodies.
+class MoverParts:
+    """The parts of a model. Parts below the number of bodies have the bodies' numbers.
 
     Attributes:
-        of_geom: (geoms,) int32, number of the part that each belongs to.
-        body: (parts,) int32, number of the body that each moves with.
+        of_geom: (geoms,) int32, number of the part that each geom belongs to.
+        body: (parts,) int32, number of the body that each part moves with.
     """
 
     of_geom: I32
@@ -43,116 +43,128 @@ class Parts:
     def __len__(self) -> int:
         return len(self.body)
 
-    def bodies(self, label: I32) -> I32:
-        """Labels of parts as those of their bodies; `NOTHING` stays."""
-        return np.append(self.body, np.int32(NOTHING))[label]
+    def to_bodies(self, label: I32) -> I32:
+        """Replace part numbers in an image by body numbers; `NO_LABEL` stays."""
+        return np.append(self.body, np.int32(NO_LABEL))[label]
 
 
-def parts(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> Parts:
-    """Take what moves apart into bodies, lamps and the materials of open wheels."""
+def split_into_parts(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> MoverParts:
+    """Split moving objects into bodies, lamps and the materials of open wheels."""
     of_geom = model.body_weldid[model.geom_bodyid].astype(np.int32)
     body = list(range(model.nbody))
     mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
-    turning = {b for obj in objects for b in turning_bodies(obj)} & set(of_geom[mesh].tolist())
+    wheels = {b for obj in objects for b in wheel_bodies(obj)} & set(of_geom[mesh].tolist())
     known: dict[tuple[int, int], int] = {}
     for geom in np.concatenate([np.empty(0, np.int64), *(obj.geoms for obj in objects)]):
         carrier, material = int(of_geom[geom]), int(model.geom_matid[geom])
         if material >= 0 and model.mat_emission[material] > OFF_EMISSION:
             of_geom[geom] = len(body)
             body.append(carrier)
-        elif carrier in turning:
+        elif carrier in wheels:
             if (carrier, material) not in known:
                 known[carrier, material] = len(body)
                 body.append(carrier)
             of_geom[geom] = known[carrier, material]
-    return Parts(of_geom, np.array(body, np.int32))
+    return MoverParts(of_geom, np.array(body, np.int32))
 
 
-def turning_bodies(obj: MovingObject) -> list[int]:
-    """Numbers of the bodies that turn on and on in the light: a vehicle's wheels."""
-    if obj.kind in (PEDESTRIAN, TREE):
-        return []
-    return [int(b) for b in obj.bodies if b != obj.root]
+def wheel_bodies(obj: MovingObject) -> list[int]:
+    """Return the numbers of the bodies that rotate continuously: a vehicle's wheels."""
+    return [int(b) for b in obj.bodies if b != obj.root] if obj.has_wheels else []
 
 
 @dataclass(frozen=True, eq=False)
-class Outlines:
-    """What moves, before a camera at rest.
+class MoverRaster:
+    """Rasteriser of the moving objects, for a steady camera.
 
     Attributes:
-        movers: the triangles of all that moves.
-        parts: of the model.
-        pose: the camera's.
-        lens: likewise.
-        size: fine points per pixel and axis.
+        movers: triangles of everything that moves.
+        parts: parts of the model.
+        pose: pose of the camera.
+        lens: intrinsics of the camera.
+        supersample: sub-pixels per pixel and axis.
     """
 
-    movers: Soup
-    parts: Parts
+    movers: TriangleSoup
+    parts: MoverParts
     pose: Pose
     lens: Intrinsics
-    size: int
+    supersample: int
 
     def project(self, poses: F64) -> tuple[F64, I32]:
-        """The movers' triangles on the fine grid, (n, 3, 3), and the part of each.
+        """Project the moving triangles.
 
         Args:
-            poses: (bodies, 3, 4) from each body's frame into the world.
+            poses: (bodies, 3, 4) transform from each body's frame into the world.
+
+        Returns:
+            (n, 3, 3) triangles on the sub-pixel grid; and (n,) the part of each.
         """
-        seen = self.movers.moved(compose_transforms(poses, self.pose.into))
-        middle = self.lens.width * self.size / 2, self.lens.height * self.size / 2
-        flat, source = perspective(seen, self.lens.focal_px * self.size, *middle, NEAR_M)
-        return flat, self._part[source]
+        in_camera = self.movers.transformed(compose_transforms(poses, self.pose.into))
+        size = self.supersample
+        centre = self.lens.width * size / 2, self.lens.height * size / 2
+        projected, source = project_triangles(in_camera, self.lens.focal_px * size, *centre, NEAR_M)
+        return projected, self._part_of_triangle[source]
 
     @cached_property
-    def _part(self) -> I32:
+    def _part_of_triangle(self) -> I32:
         return self.parts.of_geom[self.movers.geom]
 
-    def of(self, obj: MovingObject) -> list[int]:
-        """Numbers of an object's parts."""
-        if obj.name not in self._known:
+    def parts_of(self, obj: MovingObject) -> list[int]:
+        """Return the numbers of an object's parts."""
+        if obj.name not in self._parts_by_name:
             mine = np.isin(self.parts.body, obj.bodies)
-            self._known[obj.name] = [int(k) for k in np.flatnonzero(mine)]
-        return self._known[obj.name]
+            self._parts_by_name[obj.name] = [int(k) for k in np.flatnonzero(mine)]
+        return self._parts_by_name[obj.name]
 
     @cached_property
-    def _known(self) -> dict[str, list[int]]:
+    def _parts_by_name(self) -> dict[str, list[int]]:
         return {}
 
     def rectangles(
-        self, flat: F64, part: I32, objects: tuple[MovingObject, ...]
+        self, projected: F64, part: I32, objects: tuple[MovingObject, ...]
     ) -> list[Rectangle | None]:
-        """The rectangle around each object's triangles; None outside of the image."""
-        span = self.span_px(flat, part)
-        return [self.around(span[self.of(obj)]) for obj in objects]
-
-    def span_px(self, flat: F64, part: I32) -> F64:
-        """(parts, 4) lowest x and y, highest x and y of each part [px]; see `raster.bounds`."""
-        return bounds(flat, part, len(self.parts)) / self.size
-
-    def around(self, span: F64) -> Rectangle | None:
-        """The rectangle around spans, (n, 4) [px]; None outside of the image."""
-        if not np.isfinite(span).any():
-            return None
-        return rectangle_around(span[:, :2].min(axis=0), span[:, 2:].max(axis=0), self.lens)
-
-    def points(
-        self, flat: F64, part: I32, rectangle: Rectangle, street_nearness: F32
-    ) -> tuple[I32, F32]:
-        """Which mover each fine point of a rectangle shows, and how near.
+        """Return the rectangle around each object; None for an object outside the image.
 
         Args:
-            flat: triangles as `project` gives them.
-            part: of each.
-            rectangle: x0, y0, x1, y1 [px].
-            street_nearness: 1/depth of what never moves at all fine points, float32 [1/m].
+            projected: triangles, from `project`.
+            part: part of each triangle.
+            objects: the objects.
+        """
+        bounds = self.bounds_px(projected, part)
+        return [self.rectangle_of(bounds[self.parts_of(obj)]) for obj in objects]
+
+    def bounds_px(self, projected: F64, part: I32) -> F64:
+        """Return the bounding box of each part [px].
 
         Returns:
-            Fine points of the rectangle, int32 and float32: the part, `NOTHING` for the street; and
-            1/depth [1/m].
+            (parts, 4) lowest x and y, highest x and y; see `sim.raster.scan_conversion`.
         """
-        x0, y0, x1, y1 = (self.size * edge for edge in rectangle)
-        nearness = street_nearness[y0:y1, x0:x1].copy()
-        label = np.full(nearness.shape, NOTHING, np.int32)
-        rasterise(flat, part, x0, y0, nearness, label, True)
+        return label_bounds(projected, part, len(self.parts)) / self.supersample
+
+    def rectangle_of(self, bounds: F64) -> Rectangle | None:
+        """Return the rectangle around (n, 4) bounding boxes [px]; None outside the image."""
+        if not np.isfinite(bounds).any():
+            return None
+        return rectangle_around(bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0), self.lens)
+
+    def rasterise(
+        self, projected: F64, part: I32, rectangle: Rectangle, background_nearness: F32
+    ) -> tuple[I32, F32]:
+        """Find the moving part that each sub-pixel of a rectangle shows.
+
+        Args:
+            projected: triangles, from `project`.
+            part: part of each triangle.
+            rectangle: x0, y0, x1, y1 [px].
+            background_nearness: 1/depth of the background at all sub-pixels, float32 [1/m].
+
+        Returns:
+            For each sub-pixel of the rectangle: int32 part, `NO_LABEL` for the background; and
+            float32 1/depth [1/m].
+        """
+        x0, y0, x1, y1 = (self.supersample * edge for edge in rectangle)
+        nearness = background_nearness[y0:y1, x0:x1].copy()
+        label = np.full(nearness.shape, NO_LABEL, np.int32)
+        rasterise(projected, part, x0, y0, nearness, label, True)
         return label, nearness

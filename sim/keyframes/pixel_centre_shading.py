@@ -1,4 +1,4 @@
-"""How the street at the pixels' middles is lit: which share of each light, and by which beams."""
+"""Illumination of the background at the pixel centres: the share of each light, and beams."""
 
 from __future__ import annotations
 
@@ -10,97 +10,117 @@ from sim.geometry.pinhole import Eye
 from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
 from sim.keyframes.pixel_labels import EDGE
-from sim.shadows.lamp_light import beam_lux, share_let_through
-from sim.shadows.moving_light import Lights
+from sim.shadows.point_illumination import beam_lux, unshadowed_share
+from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
 
 
 @compiled
-def light_middles(
-    street: Background, lights: Lights, eye: Eye, rectangle: Rectangle, code: I32
+def shade_pixel_centres(
+    background: Background,
+    effects: ShadowsAndBeams,
+    eye: Eye,
+    rectangle: Rectangle,
+    pixel_label: I32,
 ) -> tuple[F32, F32]:
-    """How the street at the pixels' middles is lit; their codes learn of it.
+    """Return the illumination of the background at the pixel centres of a rectangle.
+
+    Args:
+        background: the static background.
+        effects: shadows and beams at this time.
+        eye: projection of the camera.
+        rectangle: x0, y0, x1, y1 [px].
+        pixel_label: (height, width) labels of the rectangle's pixels; shadows are added to them,
+            see `_apply_shadow`.
 
     Returns:
-        (lights, height, width) float32, share of each light that comes through, and
-        (height, width) float32, what the movers' lamps add [lux].
+        (lights, height, width) float32, share of each light that arrives; and (height, width)
+        float32, illuminance from the moving objects' lamps [lux].
     """
     x0, y0, x1, y1 = rectangle
-    depth = street.depth[y0:y1, x0:x1]
-    lit = np.ones((len(lights.gains) - 1, *code.shape), np.float32)
-    for shadow in range(len(lights.light)):
-        _shade_middles(lights, shadow, eye, rectangle, depth, code, lit[lights.light[shadow]])
-    lux = np.zeros(code.shape, np.float32)
-    for beam in range(len(lights.beams)):
-        _beam_middles(lights, beam, street.normals, eye, rectangle, depth, code, lux)
+    depth = background.depth[y0:y1, x0:x1]
+    lit = np.ones((len(effects.gains) - 1, *pixel_label.shape), np.float32)
+    for shadow in range(len(effects.light)):
+        light_share = lit[effects.light[shadow]]
+        _apply_shadow(effects, shadow, eye, rectangle, depth, pixel_label, light_share)
+    lux = np.zeros(pixel_label.shape, np.float32)
+    for beam in range(len(effects.beams)):
+        _add_beam(effects, beam, background.normals, eye, rectangle, depth, pixel_label, lux)
     return lit, lux
 
 
 @compiled
-def _shade_middles(
-    lights: Lights, shadow: int, eye: Eye, rectangle: Rectangle, depth: F32, code: I32, lit: F32
+def _apply_shadow(
+    effects: ShadowsAndBeams,
+    shadow: int,
+    eye: Eye,
+    rectangle: Rectangle,
+    depth: F32,
+    pixel_label: I32,
+    lit: F32,
 ) -> None:
-    """Let one shadow fall on the street at the pixels' middles.
+    """Apply one shadow to the background at the pixel centres, in place.
 
     Args:
-        lights: at this time.
-        shadow: which of them.
-        eye: the camera's.
+        effects: shadows and beams at this time.
+        shadow: index of the shadow.
+        eye: projection of the camera.
         rectangle: x0, y0, x1, y1 [px].
-        depth: (height, width) of the street [m].
-        code: (height, width) the body that a pixel shows; below 0, each shadow has a bit of
-            −1 − code, set where it is complete; `EDGE` where one is partial.
-        lit: (height, width) float32, which share of the light comes through; multiplied.
+        depth: (height, width) depth of the background [m].
+        pixel_label: (height, width) labels, changed: a body if not negative. Negative labels are
+            background, where each shadow has a bit of −1 − label, which is set where it is
+            complete. A partial shadow gives `EDGE`.
+        lit: (height, width) float32, share of the light that arrives; multiplied.
     """
     focal, centre_x, centre_y = eye
-    maps, sizes, parallel, view = lights.maps, lights.sizes, lights.parallel, lights.views[shadow]
+    maps, sizes, is_sun, view = effects.maps, effects.sizes, effects.is_sun, effects.views[shadow]
     u_right, v_right, w_right = view[0, 0] / focal, view[1, 0] / focal, view[2, 0] / focal
     x0, y0, x1, y1 = rectangle
-    reach = lights.reach[shadow]
-    for row in range(max(reach[1], y0) - y0, min(reach[3], y1) - y0):
+    area = effects.shadow_areas[shadow]
+    for row in range(max(area[1], y0) - y0, min(area[3], y1) - y0):
         below = (y0 + row + 0.5 - centre_y) / focal
         u_row = view[0, 1] * below + view[0, 2]
         v_row = view[1, 1] * below + view[1, 2]
         w_row = view[2, 1] * below + view[2, 2]
-        for column in range(max(reach[0], x0) - x0, min(reach[2], x1) - x0):
-            what = code[row, column]
-            if what >= 0:
+        for column in range(max(area[0], x0) - x0, min(area[2], x1) - x0):
+            label = pixel_label[row, column]
+            if label >= 0:
                 continue
             z, right = depth[row, column], x0 + column + 0.5 - centre_x
             u = z * (u_right * right + u_row) + view[0, 3]
             v = z * (v_right * right + v_row) + view[1, 3]
             w = z * (w_right * right + w_row) + view[2, 3]
-            share = share_let_through(maps, sizes, parallel, shadow, u, v, w)
+            share = unshadowed_share(maps, sizes, is_sun, shadow, u, v, w)
             if share >= 1.0:
                 continue
             lit[row, column] *= share
-            if what != EDGE:
-                code[row, column] = EDGE if share > 0.0 else what - (1 << shadow)
+            if label != EDGE:
+                pixel_label[row, column] = EDGE if share > 0.0 else label - (1 << shadow)
 
 
 @compiled
-def _beam_middles(
-    lights: Lights,
+def _add_beam(
+    effects: ShadowsAndBeams,
     beam: int,
     normals: F32,
     eye: Eye,
     rectangle: Rectangle,
     depth: F32,
-    code: I32,
+    pixel_label: I32,
     lux: F32,
 ) -> None:
-    """Add what one beam gives the street at the pixels' middles [lux]."""
+    """Add one beam's illuminance of the background at the pixel centres, in place [lux]."""
     focal, centre_x, centre_y = eye
-    beams, reach_m = lights.beams, lights.beam_range_m
+    beams, range_m = effects.beams, effects.beam_range_m
     x0, y0, x1, y1 = rectangle
-    reach = lights.beam_reach
-    for v in range(max(y0, reach[beam, 1]), min(y1, reach[beam, 3])):
-        for u in range(max(x0, reach[beam, 0]), min(x1, reach[beam, 2])):
-            if code[v - y0, u - x0] >= 0:
+    areas = effects.beam_areas
+    for v in range(max(y0, areas[beam, 1]), min(y1, areas[beam, 3])):
+        for u in range(max(x0, areas[beam, 0]), min(x1, areas[beam, 2])):
+            if pixel_label[v - y0, u - x0] >= 0:
                 continue
             z = depth[v - y0, u - x0]
             x, y = (u + 0.5 - centre_x) / focal * z, (v + 0.5 - centre_y) / focal * z
             n_x, n_y, n_z = normals[v, u, 0], normals[v, u, 1], normals[v, u, 2]
-            lux[v - y0, u - x0] += beam_lux(beams, beam, reach_m, x, y, z, n_x, n_y, n_z)
+            lux[v - y0, u - x0] += beam_lux(beams, beam, range_m, x, y, z, n_x, n_y, n_z)

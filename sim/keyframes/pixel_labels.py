@@ -1,8 +1,8 @@
-"""What each pixel shows, as a number: a body, the street in its light and shadows, or an edge.
+"""Label of what each pixel shows: a body, the background with its shadows, or an edge.
 
-A pixel holds S × S points of the fine grid on which geometry is known exactly. Where a pixel and
-its neighbours show but one thing, that thing's light is known already for a whole pixel; only
-where edges run are points weighed one by one.
+A pixel holds S × S sub-pixels at which geometry is known exactly. If a pixel and its neighbours
+show only one thing, the luminance of that thing is already known for a whole pixel. Only near edges
+are sub-pixels weighted one by one.
 """
 
 from __future__ import annotations
@@ -17,59 +17,79 @@ I32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
 EDGE = -(1 << 30)
-"""Code of a pixel that shows more than one thing."""
+"""Label of a pixel that shows more than one thing."""
 
 
 @compiled
-def pixel_codes(label: I32, size: int) -> I32:
-    """(height, width) the body that each pixel shows, -1 for none, `EDGE` for several things."""
-    code = np.empty((label.shape[0] // size, label.shape[1] // size), np.int32)
-    for row in range(code.shape[0]):
-        for column in range(code.shape[1]):
-            first = label[row * size, column * size]
-            for i in range(row * size, (row + 1) * size):
-                for j in range(column * size, (column + 1) * size):
+def pixel_labels(label: I32, supersample: int) -> I32:
+    """Return the label of each pixel from those of its sub-pixels.
+
+    Args:
+        label: (rows, columns) int32, label of each sub-pixel: body, or -1 for the background.
+        supersample: sub-pixels per pixel and axis.
+
+    Returns:
+        (height, width) int32: the label that all sub-pixels share, else `EDGE`.
+    """
+    height, width = label.shape[0] // supersample, label.shape[1] // supersample
+    pixel_label = np.empty((height, width), np.int32)
+    for row in range(height):
+        for column in range(width):
+            first = label[row * supersample, column * supersample]
+            for i in range(row * supersample, (row + 1) * supersample):
+                for j in range(column * supersample, (column + 1) * supersample):
                     if label[i, j] != first:
                         first = EDGE
-            code[row, column] = first
-    return code
+            pixel_label[row, column] = first
+    return pixel_label
 
 
 @compiled
-def mark_edges(code: I32, lux: F32) -> Bools:
-    """Which pixels are to be weighed point by point: they, or neighbours, show several things."""
-    height, width = code.shape
-    mixed = np.empty(code.shape, np.bool_)  # a pixel and those left and right of it
+def mark_edges(pixel_label: I32, lux: F32) -> Bools:
+    """Mark the pixels whose sub-pixels must be weighted one by one.
+
+    These are the pixels that, together with their neighbours, show more than one thing or lie in a
+    beam.
+
+    Args:
+        pixel_label: (height, width) labels of the pixels.
+        lux: (height, width) illuminance from beams [lux].
+    """
+    height, width = pixel_label.shape
+    mixed = np.empty(pixel_label.shape, np.bool_)  # of a pixel and its left and right neighbours
     for row in range(height):
         for column in range(width):
             left, right = max(column - 1, 0), min(column + 1, width - 1)
-            what, dark = code[row, column], lux[row, column] + lux[row, left] + lux[row, right]
-            alike = code[row, left] == what and code[row, right] == what and what != EDGE
-            mixed[row, column] = not alike or dark > 0.0
-    marked = np.empty(code.shape, np.bool_)
+            own, beams = (
+                pixel_label[row, column],
+                lux[row, column] + lux[row, left] + lux[row, right],
+            )
+            alike = pixel_label[row, left] == own and pixel_label[row, right] == own and own != EDGE
+            mixed[row, column] = not alike or beams > 0.0
+    marked = np.empty(pixel_label.shape, np.bool_)
     for row in range(height):
         above, below = max(row - 1, 0), min(row + 1, height - 1)
         for column in range(width):
-            what = code[row, column]
+            own = pixel_label[row, column]
             marked[row, column] = (
                 mixed[row, column]
                 or mixed[above, column]
                 or mixed[below, column]
-                or code[above, column] != what
-                or code[below, column] != what
+                or pixel_label[above, column] != own
+                or pixel_label[below, column] != own
             )
     return marked
 
 
 @compiled
-def with_neighbours(marked: Bools) -> Bools:
-    """Which pixels are marked, or have a neighbour that is."""
+def dilate(marked: Bools) -> Bools:
+    """Mark also the eight neighbours of each marked pixel."""
     height, width = marked.shape
-    grown = np.zeros(marked.shape, np.bool_)
+    dilated = np.zeros(marked.shape, np.bool_)
     for row in range(height):
         for column in range(width):
             if marked[row, column]:
                 for i in range(max(row - 1, 0), min(row + 2, height)):
                     for j in range(max(column - 1, 0), min(column + 2, width)):
-                        grown[i, j] = True
-    return grown
+                        dilated[i, j] = True
+    return dilated

@@ -1,4 +1,4 @@
-"""How a keyframe is drawn: an object as the renderer sees it, cut into its bodies."""
+"""Render a keyframe: an object as the renderer shows it, cut into its parts."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import body_poses, compose_transforms
-from sim.keyframes.mover_visibility import Outlines, turning_bodies
-from sim.keyframes.store import Keyframe, Piece, cut_pieces
-from sim.raster.scan_conversion import NOTHING
+from sim.keyframes.mover_visibility import MoverRaster, wheel_bodies
+from sim.keyframes.store import Keyframe, Patch, cut_patches
+from sim.raster.scan_conversion import NO_LABEL
 from sim.render.filament import FilamentRenderer
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights, sky_lights
 from sim.scene.moving_objects import MovingObject
@@ -25,18 +25,17 @@ F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
-LEAST_ALBEDO = 1e-3
-"""Grid points that show less of a body, times its albedo, tell nothing of the light on it
-(assumed)."""
-LEAST_TRACE = 1e-9
-"""The same of the mean over a neighbourhood: above what rounding leaves (assumed)."""
-SPREAD = 3
-"""Where nothing tells of it, the light is that of a neighbourhood so many times as wide, and so on
-until something does (assumed)."""
+MIN_ALBEDO = 1e-3
+"""Coverage × albedo below which a grid point does not determine a part's illumination (assumed)."""
+MIN_MEAN_ALBEDO = 1e-9
+"""The corresponding limit for the mean over a neighbourhood: above rounding errors (assumed)."""
+NEIGHBOURHOOD_GROWTH = 3
+"""Growth of the neighbourhood whose illumination fills a gap. It is enlarged by this factor until
+something in it determines the illumination (assumed)."""
 
 
-class KeyframeDrawing:
-    """Draws keyframes of a scene."""
+class KeyframeRenderer:
+    """Renders keyframes of a scene."""
 
     def __init__(
         self,
@@ -44,94 +43,98 @@ class KeyframeDrawing:
         model: mujoco.MjModel,
         data: mujoco.MjData,
         place: Callable[[int], None],
-        outlines: Outlines,
+        raster: MoverRaster,
         objects: tuple[MovingObject, ...],
-        mains: FlickeringLamps | None,
-        street_nearness: F32,
+        flickering: FlickeringLamps | None,
+        background_nearness: F32,
         blur_px: float,
         per_pixel: int,
     ) -> None:
-        """Take what is to be drawn.
+        """Set what is rendered.
 
         Args:
-            renderer: of `model`.
-            model: its lights are changed, and put back.
+            renderer: renderer of `model`.
+            model: model whose lights are changed temporarily.
             data: poses of the model.
             place: moves `data` to a time [µs].
-            outlines: of all that moves, as fine as it is to be drawn.
-            objects: likewise.
-            mains: what flickers, or nothing.
-            street_nearness: at the same fine points, float32 [1/m].
-            blur_px: deviation of the lens's point spread [px].
-            per_pixel: grid points that are kept per pixel and axis.
+            raster: rasteriser of all moving objects, at the resolution to render at.
+            objects: the moving objects.
+            flickering: lamps that flicker; None if there are none.
+            background_nearness: nearness of the background at the sub-pixels, float32 [1/m].
+            blur_px: standard deviation of the lens's point spread [px].
+            per_pixel: grid points that are stored per pixel and axis.
         """
         self._renderer, self._model, self._data, self._place = renderer, model, data, place
-        self.outlines, self._mains = outlines, mains
-        self._street_nearness, self._blur_px = street_nearness, blur_px
+        self.raster, self._flickering = raster, flickering
+        self._background_nearness, self._blur_px = background_nearness, blur_px
         self._per_pixel = per_pixel
         self._sky = sky_lights(model)
         self._moving = np.concatenate([obj.geoms for obj in objects])
-        self._still = np.setdiff1d(np.arange(model.ngeom), self._moving)
+        self._static = np.setdiff1d(np.arange(model.ngeom), self._moving)
 
-    def draw(self, obj: MovingObject, t_us: int) -> Keyframe:
-        """An object at a time."""
+    def render(self, obj: MovingObject, t_us: int) -> Keyframe:
+        """Return an object's keyframe at a time [µs]."""
         self._place(t_us)
         poses = body_poses(self._data)
-        flat, part = self.outlines.project(poses)
-        (rectangle,) = self.outlines.rectangles(flat, part, (obj,))
+        projected, part = self.raster.project(poses)
+        (rectangle,) = self.raster.rectangles(projected, part, (obj,))
         if rectangle is None:
             return Keyframe(t_us, {})
-        label, lit = self._uncovered(obj, flat, part, rectangle)
-        into = compose_transforms(poses, self.outlines.pose.into)
-        views = {k: into[self.outlines.parts.body[k]] for k in self.outlines.of(obj)}
-        key = Keyframe(t_us, self._cut(lit, label, views, rectangle))
-        wheels = turning_bodies(obj) if self._sky.size else []
-        turning = [k for k in key.pieces if self.outlines.parts.body[k] in wheels]
-        inner = self.outlines.around(self.outlines.span_px(flat, part)[turning])
+        label, image = self._unoccluded(obj, projected, part, rectangle)
+        body_views = compose_transforms(poses, self.raster.pose.into)
+        views = {k: body_views[self.raster.parts.body[k]] for k in self.raster.parts_of(obj)}
+        key = Keyframe(t_us, self._cut(image, label, views, rectangle))
+        wheels = wheel_bodies(obj) if self._sky.size else []
+        rotating = [k for k in key.patches if self.raster.parts.body[k] in wheels]
+        inner = self.raster.rectangle_of(self.raster.bounds_px(projected, part)[rotating])
         if inner is None:
             return key
-        box = self._within(inner, rectangle)
+        box = self._subpixels_within(inner, rectangle)
         albedo = self._albedo(inner, wheels)
-        whole, _ = self._points(flat, part, np.isin(part, turning), inner)
-        carried = dict.fromkeys(turning, into[obj.root])
-        bright = self._cut(lit[:, *box], label[box], carried, inner)
-        dull = self._cut(albedo, label[box], carried, inner)
-        own = self._cut(albedo, whole, {k: views[k] for k in turning}, inner)
-        own = {k: steadied(piece, len(lit)) for k, piece in own.items()}
-        return Keyframe(t_us, key.pieces | own, {k: _glow(bright[k], dull[k]) for k in turning})
+        whole, _ = self._rasterise(projected, part, np.isin(part, rotating), inner)
+        on_root = dict.fromkeys(rotating, body_views[obj.root])
+        lit = self._cut(image[:, *box], label[box], on_root, inner)
+        reflecting = self._cut(albedo, label[box], on_root, inner)
+        patches = self._cut(albedo, whole, {k: views[k] for k in rotating}, inner)
+        patches = {k: without_flicker(patch, len(image)) for k, patch in patches.items()}
+        return Keyframe(
+            t_us,
+            key.patches | patches,
+            {k: _illumination(lit[k], reflecting[k]) for k in rotating},
+        )
 
-    def _within(self, inner: Rectangle, outer: Rectangle) -> tuple[slice, slice]:
-        """Rows and columns of a rectangle's fine points in another's."""
-        size = self.outlines.size
+    def _subpixels_within(self, inner: Rectangle, outer: Rectangle) -> tuple[slice, slice]:
+        """Return the rows and columns of a rectangle's sub-pixels in a larger rectangle."""
+        size = self.raster.supersample
         x0, y0, x1, y1 = inner
         rows = slice((y0 - outer[1]) * size, (y1 - outer[1]) * size)
         return rows, slice((x0 - outer[0]) * size, (x1 - outer[0]) * size)
 
-    def _uncovered(
-        self, obj: MovingObject, flat: F64, part: I32, rectangle: Rectangle
+    def _unoccluded(
+        self, obj: MovingObject, projected: F64, part: I32, rectangle: Rectangle
     ) -> tuple[I32, F32]:
-        """Labels and light of an object and, where others stand before it, without these.
+        """Return labels and luminance of an object without the objects in front of it.
 
-        Their shadows are then missing there, too.
+        Where other objects are in front of it, their shadows are missing, too.
         """
-        label, _ = self.outlines.points(flat, part, rectangle, self._street_nearness)
-        lit = self._lit(obj, rectangle)
-        mine = self.outlines.of(obj)
-        if np.isin(label, [NOTHING, *mine]).all():
-            return label, lit
-        alone, _ = self._points(flat, part, np.isin(part, mine), rectangle)
-        covered = (alone != NOTHING) & (alone != label)
-        if covered.any():
-            inner = self._around(covered, rectangle)
-            box = self._within(inner, rectangle)
-            with self._renderer.hidden(self._geoms_but(obj.bodies)):
-                bare = self._lit(obj, inner)
-            lit[:, *box] = np.where(covered[box], bare, lit[:, *box])
-        return alone, lit
+        label, _ = self.raster.rasterise(projected, part, rectangle, self._background_nearness)
+        image = self._luminance(obj, rectangle)
+        own = self.raster.parts_of(obj)
+        if np.isin(label, [NO_LABEL, *own]).all():
+            return label, image
+        alone, _ = self._rasterise(projected, part, np.isin(part, own), rectangle)
+        occluded = (alone != NO_LABEL) & (alone != label)
+        if occluded.any():
+            inner = self._rectangle_around(occluded, rectangle)
+            box = self._subpixels_within(inner, rectangle)
+            with self._renderer.hidden(self._moving_geoms_except(obj.bodies)):
+                revealed = self._luminance(obj, inner)
+            image[:, *box] = np.where(occluded[box], revealed, image[:, *box])
+        return alone, image
 
-    def _around(self, marked: Bools, rectangle: Rectangle) -> Rectangle:
-        """The rectangle around marked fine points of another."""
-        rows, columns = (k // self.outlines.size for k in np.nonzero(marked))
+    def _rectangle_around(self, marked: Bools, rectangle: Rectangle) -> Rectangle:
+        """Return the rectangle around the marked sub-pixels of another rectangle."""
+        rows, columns = (k // self.raster.supersample for k in np.nonzero(marked))
         x0, y0 = rectangle[:2]
         return (
             x0 + int(columns.min()),
@@ -140,91 +143,105 @@ class KeyframeDrawing:
             y0 + int(rows.max()) + 1,
         )
 
-    def _points(self, flat: F64, part: I32, which: Bools, rectangle: Rectangle) -> tuple[I32, F32]:
-        return self.outlines.points(flat[which], part[which], rectangle, self._street_nearness)
+    def _rasterise(
+        self, projected: F64, part: I32, mask: Bools, rectangle: Rectangle
+    ) -> tuple[I32, F32]:
+        """Rasterise the triangles that a mask selects."""
+        return self.raster.rasterise(
+            projected[mask], part[mask], rectangle, self._background_nearness
+        )
 
-    def _geoms_but(self, bodies: npt.ArrayLike) -> list[int]:
-        """All that moves, but for some bodies."""
+    def _moving_geoms_except(self, bodies: npt.ArrayLike) -> list[int]:
+        """Return the geoms of all moving bodies except the given ones."""
         geoms = self._moving
         body = self._model.body_weldid[self._model.geom_bodyid[geoms]]
         return [int(g) for g in geoms[~np.isin(body, bodies)]]
 
     def _cut(
-        self, fine: F32, label: I32, views: dict[int, F64], rectangle: Rectangle
-    ) -> dict[int, Piece]:
-        size, blur_px = self.outlines.size, self._blur_px
-        return cut_pieces(
-            fine, label, views, rectangle[:2], size, blur_px, per_pixel=self._per_pixel
+        self, image: F32, label: I32, views: dict[int, F64], rectangle: Rectangle
+    ) -> dict[int, Patch]:
+        size, blur_px = self.raster.supersample, self._blur_px
+        return cut_patches(
+            image, label, views, rectangle[:2], size, blur_px, per_pixel=self._per_pixel
         )
 
-    def _lit(self, obj: MovingObject, rectangle: Rectangle) -> F32:
-        """(parts, rows, columns) luminance: the steady part, and what the mains' lamps add.
+    def _luminance(self, obj: MovingObject, rectangle: Rectangle) -> F32:
+        """Return (layers, rows, columns) luminance: the steady layer, and that of flickering lamps.
 
-        Of what never moves, only that is there which may shade the object.
+        Of the static geoms, only those that may shade the object are rendered.
         """
-        shading = shadow_casting_geoms(
-            self._model, self._data, self._still, obj.corners_m(self._data)
+        casters = shadow_casting_geoms(
+            self._model, self._data, self._static, obj.corners_m(self._data)
         )
-        with self._renderer.hidden(np.setdiff1d(self._still, shading)):
-            fine = self._fine(rectangle)
-            if self._mains is None:
-                return fine[None]
-            with self._mains.scaled(self._model, 0.0):
-                steady = self._fine(rectangle)
-        return np.stack([steady, fine - steady])
+        with self._renderer.hidden(np.setdiff1d(self._static, casters)):
+            image = self._render_subpixels(rectangle)
+            if self._flickering is None:
+                return image[None]
+            with self._flickering.scaled(self._model, 0.0):
+                steady = self._render_subpixels(rectangle)
+        return np.stack([steady, image - steady])
 
     def _albedo(self, rectangle: Rectangle, bodies: list[int]) -> F32:
-        """(1, rows, columns) what bodies return of an even sky's light, nothing before them."""
+        """Return the luminance of bodies under an even sky, with all else hidden.
+
+        Returns:
+            (1, rows, columns).
+        """
         lights: dict[int, float] = dict.fromkeys(range(self._model.nlight), 0.0)
         lights |= {int(k): 1.0 for k in self._sky}
-        others = [*self._geoms_but(bodies), *self._still]
+        others = [*self._moving_geoms_except(bodies), *self._static]
         with changed_lights(self._model, lights), self._renderer.hidden(others):
-            return self._fine(rectangle, shadows=False)[None]
+            return self._render_subpixels(rectangle, shadows=False)[None]
 
-    def _fine(self, rectangle: Rectangle, *, shadows: bool = True) -> F32:
+    def _render_subpixels(self, rectangle: Rectangle, *, shadows: bool = True) -> F32:
         self._renderer.update(self._data)
-        return self._renderer.fine(
-            self.outlines.pose, rectangle, self.outlines.size, shadows=shadows
+        return self._renderer.subpixel_luminance(
+            self.raster.pose, rectangle, self.raster.supersample, shadows=shadows
         )
 
 
-def steadied(piece: Piece, parts: int) -> Piece:
-    """A piece that the mains' lamps add nothing to."""
-    light = np.zeros((parts, *piece.cover.shape), np.float32)
-    light[0] = piece.light[0]
-    return replace(piece, light=light)
+def without_flicker(patch: Patch, layers: int) -> Patch:
+    """Return a patch of so many layers to which flickering lamps add nothing."""
+    luminance = np.zeros((layers, *patch.coverage.shape), np.float32)
+    luminance[0] = patch.luminance[0]
+    return replace(patch, luminance=luminance)
 
 
-def _glow(lit: Piece, albedo: Piece) -> Piece:
-    """The light on a body, also where the body has gaps."""
-    light = np.stack([filled_ratio(part, albedo.light[0]) for part in lit.light])
-    return Piece(lit.x0, lit.y0, light, np.ones_like(lit.cover), albedo.view)
+def _illumination(lit: Patch, albedo: Patch) -> Patch:
+    """Return the illumination of a part, with the part's gaps filled."""
+    layers = [gap_filled_ratio(layer, albedo.luminance[0]) for layer in lit.luminance]
+    return Patch(lit.x0, lit.y0, np.stack(layers), np.ones_like(lit.coverage), albedo.view)
 
 
-def filled_ratio(above: F32, below: F32) -> F32:
-    """Quotient where the divisor is large enough; elsewhere that of ever wider neighbourhoods.
+def gap_filled_ratio(numerator: F32, denominator: F32) -> F32:
+    """Divide two images; where the denominator is too small, take the ratio of a neighbourhood.
+
+    The neighbourhood of such a point is enlarged until its mean denominator is large enough.
 
     Args:
-        above: (rows, columns) float32.
-        below: likewise, not negative.
+        numerator: (rows, columns) float32.
+        denominator: (rows, columns) float32, not negative.
 
     Returns:
-        (rows, columns) float32; 0 everywhere if `below` is.
+        (rows, columns) float32; 0 everywhere if the denominator is 0 everywhere.
     """
-    out = np.zeros_like(above)
-    missing = np.ones(above.shape, np.bool_)
-    width, least, most = 1, LEAST_ALBEDO, SPREAD * max(above.shape)
-    tops, bottoms = above.astype(np.float64), below.astype(np.float64)
-    while missing.any() and width <= most:
-        known = missing & (bottoms > least)
-        out[known] = tops[known] / bottoms[known]
+    out = np.zeros_like(numerator)
+    missing = np.ones(numerator.shape, np.bool_)
+    width, minimum, max_width = 1, MIN_ALBEDO, NEIGHBOURHOOD_GROWTH * max(numerator.shape)
+    upper, lower = numerator.astype(np.float64), denominator.astype(np.float64)
+    while missing.any() and width <= max_width:
+        known = missing & (lower > minimum)
+        out[known] = upper[known] / lower[known]
         missing &= ~known
-        width, least = SPREAD * width, LEAST_TRACE
-        tops, bottoms = _blurred(above, width), _blurred(below, width)
+        width, minimum = NEIGHBOURHOOD_GROWTH * width, MIN_MEAN_ALBEDO
+        upper, lower = _blurred(numerator, width), _blurred(denominator, width)
     return out
 
 
 def _blurred(image: F32, width: int) -> F64:
-    """Mean over a square around each point, in float64: running sums leave no rounding behind."""
-    wide = image.astype(np.float64)
-    return np.asarray(cv2.blur(wide, (width, width), borderType=cv2.BORDER_CONSTANT), np.float64)
+    """Return the mean over a square around each point.
+
+    The mean is computed in float64, in which running sums leave no rounding errors behind.
+    """
+    image64 = image.astype(np.float64)
+    return np.asarray(cv2.blur(image64, (width, width), borderType=cv2.BORDER_CONSTANT), np.float64)

@@ -1,4 +1,4 @@
-"""The lens of a camera at rest that stands for one that shakes: wider, and finer."""
+"""Wider and finer lens of a steady camera, from whose image a shaking camera's is computed."""
 
 from __future__ import annotations
 
@@ -11,19 +11,22 @@ from sim.geometry.pinhole import Intrinsics
 from sim.scene.scene import Scene
 
 SHAKE_MARGIN_PX = 3
-"""Beyond the farthest that a shake turns the image: what a pixel's aperture asks for (assumed)."""
+"""Margin beyond the largest displacement by shake, for the pixel's aperture (assumed)."""
 SHAKE_SCALE = 3
-"""Points that the image of a camera at rest has for a pixel of the shaken camera, along each axis:
-as many as the default supersampling gives a camera at rest."""
+"""Pixels of the steady camera per pixel of the shaking camera, along each axis: as many as the
+default supersampling gives a steady camera."""
 
 
 def steady_lens(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> Intrinsics:
-    """A lens that sees, from a camera at rest, all that the scene's shaking camera does, finer.
+    """Return a lens for a steady camera that sees everything the shaking camera sees, but finer.
 
     Args:
-        scene: whose camera shakes, or rests.
-        lens: the camera's.
-        times_s: when it looks [s].
+        scene: scene with or without camera shake.
+        lens: intrinsics of the shaking camera.
+        times_s: sample times [s].
+
+    Returns:
+        The wider and finer lens; `lens` itself if the scene has no shake.
     """
     if scene.shake is None:
         return lens

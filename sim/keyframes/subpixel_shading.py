@@ -1,4 +1,4 @@
-"""The street's luminance point by point, where a pixel's middle does not tell all."""
+"""Luminance of the background at sub-pixels, where a pixel is not evenly lit."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from sim.geometry.pinhole import Eye
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import transform_point
 from sim.keyframes.background import Background
-from sim.keyframes.pixel_labels import with_neighbours
-from sim.shadows.lamp_light import beam_lux, share_let_through
-from sim.shadows.moving_light import Lights
+from sim.keyframes.pixel_labels import dilate
+from sim.shadows.point_illumination import beam_lux, unshadowed_share
+from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
@@ -20,27 +20,46 @@ Bools = npt.NDArray[np.bool_]
 
 
 @compiled
-def light_points(
-    street: Background,
-    lights: Lights,
+def shade_subpixels(
+    background: Background,
+    effects: ShadowsAndBeams,
     eye: Eye,
     rectangle: Rectangle,
-    size: int,
+    supersample: int,
     label: I32,
     lit: F32,
     lux: F32,
     marked: Bools,
 ) -> F32:
-    """The street's luminance at the fine points around marked pixels; 0 behind movers [cd/m²]."""
+    """Return the luminance of the background at the sub-pixels in and around marked pixels.
+
+    Args:
+        background: the static background.
+        effects: shadows and beams at this time.
+        eye: projection of the camera.
+        rectangle: x0, y0, x1, y1 [px].
+        supersample: sub-pixels per pixel and axis.
+        label: (rows, columns) label of each of the rectangle's sub-pixels.
+        lit: (lights, height, width) share of each light that arrives at the pixel centres.
+        lux: (height, width) illuminance from beams at the pixel centres [lux].
+        marked: (height, width) bool, the marked pixels.
+
+    Returns:
+        (rows, columns) float32 [cd/m²]; 0 behind moving objects, and undefined elsewhere.
+    """
     focal, centre_x, centre_y = eye
-    nearness, normals, parts = street.nearness, street.normals, street.points
-    albedo, gains = street.albedo_points, lights.gains
-    maps, sizes, views, source = lights.maps, lights.sizes, lights.views, lights.light
-    parallel, beams, reach_m = lights.parallel, lights.beams, lights.beam_range_m
+    nearness, normals, layers = (
+        background.subpixel_nearness,
+        background.normals,
+        background.subpixels,
+    )
+    albedo, gains = background.subpixel_albedo, effects.gains
+    maps, sizes, views, light_of = effects.maps, effects.sizes, effects.views, effects.light
+    is_sun, beams, range_m = effects.is_sun, effects.beams, effects.beam_range_m
     x0, y0, _, _ = rectangle
     count, height, width = lit.shape
-    points = np.empty(label.shape, np.float32)
-    near = with_neighbours(marked)
+    luminance = np.empty(label.shape, np.float32)
+    near = dilate(marked)
     even = np.empty(count, np.bool_)
     share = np.empty(count)
     for row in range(height):
@@ -52,45 +71,45 @@ def light_points(
                 even[light] = _evenly_lit(lit, row, column, light)
                 uneven |= not even[light]
                 share[light] = lit[light, row, column]
-            in_beam = _near_any(lux, row, column)
+            in_beam = _near_beam(lux, row, column)
             n_x = normals[y0 + row, x0 + column, 0]
             n_y = normals[y0 + row, x0 + column, 1]
             n_z = normals[y0 + row, x0 + column, 2]
-            for i in range(row * size, (row + 1) * size):
-                for j in range(column * size, (column + 1) * size):
-                    points[i, j] = 0.0
+            for i in range(row * supersample, (row + 1) * supersample):
+                for j in range(column * supersample, (column + 1) * supersample):
+                    luminance[i, j] = 0.0
                     if label[i, j] >= 0:
                         continue
-                    v, u = y0 * size + i, x0 * size + j
+                    v, u = y0 * supersample + i, x0 * supersample + j
                     x = y = z = 0.0
                     if uneven or in_beam:
                         z = 1.0 / nearness[v, u]
-                        x = ((u + 0.5) / size - centre_x) / focal * z
-                        y = ((v + 0.5) / size - centre_y) / focal * z
+                        x = ((u + 0.5) / supersample - centre_x) / focal * z
+                        y = ((v + 0.5) / supersample - centre_y) / focal * z
                     if uneven:
                         for light in range(count):
                             if not even[light]:
                                 share[light] = 1.0
-                        for shadow in range(len(source)):
-                            if not even[source[shadow]]:
+                        for shadow in range(len(light_of)):
+                            if not even[light_of[shadow]]:
                                 at = transform_point(views, shadow, x, y, z)
-                                share[source[shadow]] *= share_let_through(
-                                    maps, sizes, parallel, shadow, at[0], at[1], at[2]
+                                share[light_of[shadow]] *= unshadowed_share(
+                                    maps, sizes, is_sun, shadow, at[0], at[1], at[2]
                                 )
-                    value = gains[0] * parts[v, u, 0]
+                    value = gains[0] * layers[v, u, 0]
                     for light in range(count):
-                        value += gains[1 + light] * share[light] * parts[v, u, 1 + light]
+                        value += gains[1 + light] * share[light] * layers[v, u, 1 + light]
                     if in_beam:
                         for k in range(len(beams)):
-                            here = beam_lux(beams, k, reach_m, x, y, z, n_x, n_y, n_z)
+                            here = beam_lux(beams, k, range_m, x, y, z, n_x, n_y, n_z)
                             value += here * albedo[v, u]
-                    points[i, j] = value
-    return points
+                    luminance[i, j] = value
+    return luminance
 
 
 @compiled
-def _near_any(lux: F32, row: int, column: int) -> bool:
-    """Whether a pixel or a neighbour is above 0."""
+def _near_beam(lux: F32, row: int, column: int) -> bool:
+    """Return True if a beam lights a pixel or one of its neighbours."""
     for i in range(max(row - 1, 0), min(row + 2, lux.shape[0])):
         for j in range(max(column - 1, 0), min(column + 2, lux.shape[1])):
             if lux[i, j] > 0:
@@ -100,7 +119,7 @@ def _near_any(lux: F32, row: int, column: int) -> bool:
 
 @compiled
 def _evenly_lit(lit: F32, row: int, column: int, light: int) -> bool:
-    """Whether a pixel and its neighbours get the same share of a light."""
+    """Return True if a pixel and its neighbours get equal shares of a light."""
     for i in range(max(row - 1, 0), min(row + 2, lit.shape[1])):
         for j in range(max(column - 1, 0), min(column + 2, lit.shape[2])):
             if lit[light, i, j] != lit[light, row, column]:

@@ -1,4 +1,4 @@
-"""A mover's surface at one place, looked up in the keyframes before and after."""
+"""Luminance of a mover's surface at one point, interpolated between two keyframes."""
 
 from __future__ import annotations
 
@@ -8,155 +8,121 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import compiled
+from flybench.kernels import inlined
+from sim.geometry.pinhole import Eye
 from sim.geometry.rigid_transform import transform_point
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
 
-LEAST_COVER = 1e-3
-"""Keyframes that show less of a surface around a place know nothing of it (assumed)."""
+MIN_COVERAGE = 1e-3
+"""Coverage below which keyframes are taken not to show a point of a surface (assumed)."""
 
 
 class Surfaces(NamedTuple):
-    """How the movers' surfaces looked at the keyframes before and after.
+    """Surfaces of all moving parts, as seen in the keyframes before and after the present time.
+
+    The arrays have 2 · parts rows. The first half are the parts. The second half are the
+    illuminations of the parts that rotate relative to the light, which have an albedo instead of a
+    luminance in the first half.
 
     Attributes:
-        light: (n,) float32, cover × luminance of all pieces, flattened [cd/m²]; of a body that
-            turns in its light, cover × albedo, and then that light, which does not turn with it.
-        cover: (n,) float32.
-        pieces: (2 · parts, 2, 5) int64: start in these, x0, y0 [grid points], width, height; width
-            0 where there is none. The first half are the movers' parts, the second the light on
-            each that turns in it.
-        moves: (4 · parts, 3, 4) float64, two for each of these: from the camera's frame now to
-            that at either keyframe.
-        shares: (2 · parts, 2) float64, the two keyframes' shares, which sum to 1.
-        means: (2 · parts,) float64, what is taken where no keyframe shows a place.
+        luminance: (n,) float32, coverage × luminance of all patches, flattened [cd/m²]; for a part
+            that rotates, coverage × albedo, and separately its illumination, which does not rotate.
+        coverage: (n,) float32.
+        patches: (2 · parts, 2, 5) int64, for both keyframes: start in `luminance`, x0, y0 [grid
+            points], width and height; width 0 if there is no patch.
+        transforms: (4 · parts, 3, 4) float64, two for each row: from the camera's frame now to its
+            frame at either keyframe.
+        weights: (2 · parts, 2) float64, weights of the two keyframes, which sum to 1.
+        means: (2 · parts,) float64, value for points that no keyframe shows.
         per_pixel: grid points per pixel and axis.
     """
 
-    light: F32
-    cover: F32
-    pieces: I64
-    moves: F64
-    shares: F64
+    luminance: F32
+    coverage: F32
+    patches: I64
+    transforms: F64
+    weights: F64
     means: F64
     per_pixel: int
 
 
-@compiled
-def _looked_up(
-    light: F32,
-    cover: F32,
-    pieces: I64,
-    moves: F64,
-    shares: F64,
-    per_pixel: int,
-    focal: float,
-    centre_x: float,
-    centre_y: float,
-    body: int,
+@inlined
+def surface_luminance(
+    surfaces: Surfaces,
+    eye: Eye,
+    part: int,
     u: float,
     v: float,
     depth: float,
     off_u: float,
     off_v: float,
 ) -> float:
-    """What the keyframes hold of a body around a pixel's middle.
+    """Return the luminance of a part around a pixel centre, from the keyframes [cd/m²].
 
     Args:
-        light: as in `Surfaces`, and so the next four.
-        cover: likewise.
-        pieces: likewise.
-        moves: likewise.
-        shares: likewise.
-        per_pixel: likewise.
-        focal: of the camera [px].
-        centre_x: likewise.
-        centre_y: likewise.
-        body: which of the pieces.
-        u: where the body is seen, column [px].
-        v: row.
-        depth: there [m].
-        off_u: from the pixel's middle to there [px].
-        off_v: likewise.
+        surfaces: surfaces of all parts.
+        eye: projection of the camera.
+        part: number of the part.
+        u: column of a point of the part in the image [px].
+        v: row of the point [px].
+        depth: depth of the point [m].
+        off_u: columns from the pixel centre to the point [px].
+        off_v: rows from the pixel centre to the point [px].
+    """
+    value = 1.0
+    for layer in range(2):
+        row = part + layer * (len(surfaces.means) // 2)
+        if layer == 1 and surfaces.patches[row, 0, 3] + surfaces.patches[row, 1, 3] == 0:
+            break
+        here = _interpolated(surfaces, eye, row, u, v, depth, off_u, off_v)
+        value *= surfaces.means[row] if here < 0.0 else here
+    return value
+
+
+@inlined
+def _interpolated(
+    surfaces: Surfaces,
+    eye: Eye,
+    row: int,
+    u: float,
+    v: float,
+    depth: float,
+    off_u: float,
+    off_v: float,
+) -> float:
+    """Interpolate one row of the surfaces around a pixel centre; see `surface_luminance`.
 
     Returns:
-        Luminance, albedo or light; negative where no keyframe shows the place.
+        Luminance, albedo or illumination; negative if no keyframe shows the point.
     """
+    luminance, coverage, patches, transforms, weights, _, per_pixel = surfaces
+    focal, centre_x, centre_y = eye
     x, y = (u - centre_x) / focal * depth, (v - centre_y) / focal * depth
     total = weight = 0.0
     for key in range(2):
-        share = shares[body, key]
-        width, height = pieces[body, key, 3], pieces[body, key, 4]
+        share = weights[row, key]
+        width, height = patches[row, key, 3], patches[row, key, 4]
         if share <= 0.0 or width == 0:
             continue
-        there_x, there_y, there_z = transform_point(moves, 2 * body + key, x, y, depth)
+        there_x, there_y, there_z = transform_point(transforms, 2 * row + key, x, y, depth)
         if there_z <= 0.0:
             continue
         column = (centre_x + focal * there_x / there_z - off_u) * per_pixel - 0.5
-        row = (centre_y + focal * there_y / there_z - off_v) * per_pixel - 0.5
-        left, top = math.floor(column), math.floor(row)
-        across, down = column - left, row - top
-        left -= pieces[body, key, 1]
-        top -= pieces[body, key, 2]
+        line = (centre_y + focal * there_y / there_z - off_v) * per_pixel - 0.5
+        left, top = math.floor(column), math.floor(line)
+        across, down = column - left, line - top
+        left -= patches[row, key, 1]
+        top -= patches[row, key, 2]
         if left < 0 or top < 0 or left + 1 >= width or top + 1 >= height:
             continue
-        at = pieces[body, key, 0] + top * width + left
+        at = patches[row, key, 0] + top * width + left
         a, b = share * (1.0 - across) * (1.0 - down), share * across * (1.0 - down)
         c, d = share * (1.0 - across) * down, share * across * down
-        total += a * light[at] + b * light[at + 1]
-        total += c * light[at + width] + d * light[at + width + 1]
-        weight += a * cover[at] + b * cover[at + 1]
-        weight += c * cover[at + width] + d * cover[at + width + 1]
-    return total / weight if weight > LEAST_COVER else -1.0
-
-
-@compiled
-def surface_light(
-    light: F32,
-    cover: F32,
-    pieces: I64,
-    moves: F64,
-    shares: F64,
-    means: F64,
-    per_pixel: int,
-    focal: float,
-    centre_x: float,
-    centre_y: float,
-    body: int,
-    u: float,
-    v: float,
-    depth: float,
-    off_u: float,
-    off_v: float,
-) -> float:
-    """Luminance of a body around a pixel's middle, from the keyframes [cd/m²].
-
-    Args as those of `_looked_up`, and `means` as in `Surfaces`.
-    """
-    value = 1.0
-    for part in range(2):
-        what = body + part * (len(means) // 2)
-        if part == 1 and pieces[what, 0, 3] + pieces[what, 1, 3] == 0:
-            break
-        here = _looked_up(
-            light,
-            cover,
-            pieces,
-            moves,
-            shares,
-            per_pixel,
-            focal,
-            centre_x,
-            centre_y,
-            what,
-            u,
-            v,
-            depth,
-            off_u,
-            off_v,
-        )
-        value *= means[what] if here < 0.0 else here
-    return value
+        total += a * luminance[at] + b * luminance[at + 1]
+        total += c * luminance[at + width] + d * luminance[at + width + 1]
+        weight += a * coverage[at] + b * coverage[at + 1]
+        weight += c * coverage[at + width] + d * coverage[at + width + 1]
+    return total / weight if weight > MIN_COVERAGE else -1.0

@@ -1,7 +1,7 @@
-"""Irregular motion in closed form: seeded sums of sinusoids with a stated spectrum.
+"""Band-limited noise in closed form: a seeded sum of sinusoids with a given spectrum.
 
-The spectral density of power is flat up to a corner frequency f_c and falls as f⁻⁴ above it,
-S(f) ∝ 1/(1 + (f/f_c)⁴), as that of a mass on a damped spring that is shaken at random.
+The power spectral density is flat up to a corner frequency f_c and falls as f⁻⁴ above it,
+S(f) ∝ 1/(1 + (f/f_c)⁴), like that of a mass on a damped spring that is excited at random.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 TONES = 24
-"""Sinusoids of each noise (assumed: many enough that nothing repeats within a
-minute)."""
+"""Number of sinusoids in each noise (assumed: enough that nothing repeats within a minute)."""
 _HIGHEST = 12.0
-"""In corner frequencies; what is above it holds 0.02 % of the power."""
+"""Highest frequency, in corner frequencies; 0.02 % of the power lies above it."""
 
 F64 = npt.NDArray[np.float64]
 
@@ -26,9 +25,9 @@ class BandLimitedNoise:
     """A sum of sinusoids of equal power.
 
     Attributes:
-        amplitude: of each, in the unit of the value.
-        angular_rad_s: (n,) 2π × frequency [rad/s].
-        phase_rad: (n,) at time 0 [rad].
+        amplitude: amplitude of each sinusoid, in the unit of the value.
+        angular_rad_s: (n,) 2π × frequency of each sinusoid [rad/s].
+        phase_rad: (n,) phase of each sinusoid at time 0 [rad].
     """
 
     amplitude: float
@@ -36,22 +35,22 @@ class BandLimitedNoise:
     phase_rad: F64
 
     def value(self, t_s: float) -> float:
-        """At a time [s]."""
+        """Return the value at a time [s]."""
         return self.amplitude * float(np.sin(self.angular_rad_s * t_s + self.phase_rad).sum())
 
     def rate(self, t_s: float) -> float:
-        """Its derivative at a time [1/s]."""
+        """Return the derivative at a time [1/s]."""
         cosine = np.cos(self.angular_rad_s * t_s + self.phase_rad)
         return self.amplitude * float(self.angular_rad_s @ cosine)
 
     @property
     def rms(self) -> float:
-        """Root mean square over all time: that of each, √n times."""
+        """Root mean square over all time: √n times that of each sinusoid."""
         return self.amplitude * math.sqrt(len(self.phase_rad) / 2)
 
     @property
     def rms_rate(self) -> float:
-        """Root mean square of its derivative [1/s]."""
+        """Root mean square of the derivative [1/s]."""
         return self.amplitude * float(np.sqrt((self.angular_rad_s**2).sum() / 2))
 
 
@@ -61,10 +60,10 @@ def band_limited_noise(
     """Draw band-limited noise; each tone stands for an equal share of the spectrum's power.
 
     Args:
-        rng: source of frequencies, one at random within each share, and of phases.
+        rng: source of the phases and of the frequencies, one in each share of the spectrum.
         rms: root mean square of the value.
-        corner_hz: f_c of the spectrum [Hz].
-        tones: how many sinusoids.
+        corner_hz: corner frequency f_c of the spectrum [Hz].
+        tones: number of sinusoids.
     """
     share = (np.arange(tones) + rng.uniform(size=tones)) / tones
     frequency_hz = corner_hz * _quantile(share)
@@ -76,7 +75,7 @@ def band_limited_noise(
 
 
 def _quantile(share: F64) -> F64:
-    """Frequencies, in corner frequencies, below which a share of the power lies."""
+    """Return the frequencies, in corner frequencies, below which given shares of the power lie."""
     grid = np.linspace(0, _HIGHEST, 4001)
     density = 1 / (1 + grid**4)
     power = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2)])

@@ -1,4 +1,4 @@
-"""A camera that shakes: it turns about its own three axes, and stays where it is."""
+"""Camera shake: the camera rotates about its three axes and does not translate."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ class Shake:
     """Rotation of a camera over time.
 
     Attributes:
-        axes: wobbles of the rotation vector about the image's right, its down and the optical
-            axis [rad], in this order.
+        axes: rotation about the image's right, the image's down and the optical axis over time
+            [rad].
     """
 
     axes: tuple[BandLimitedNoise, BandLimitedNoise, BandLimitedNoise]
 
     def rotation_rad(self, t_s: float) -> F64:
-        """(3,) rotation vector in the camera's own frame: right, down, forward [rad]."""
+        """Return the (3,) rotation vector in the camera's frame (right, down, forward) [rad]."""
         return np.array([axis.value(t_s) for axis in self.axes])
 
     def fastest_rad_s(self, t_s: float) -> float:
-        """A bound on how fast any direction turns [rad/s]: the rotation vector's rate."""
+        """Return a bound on the angular speed of any direction: the norm of the rate [rad/s]."""
         return float(np.linalg.norm([axis.rate(t_s) for axis in self.axes]))
 
     def turned(self, pose: Pose, t_s: float) -> Pose:
-        """The pose at a time of a camera that rests in `pose`."""
+        """Return the pose at a time [s] of a camera whose pose at rest is `pose`."""
         frame = np.stack([pose.right, -pose.up, pose.forward], axis=1)
         frame = frame @ rotation(self.rotation_rad(t_s))
         return Pose(pose.position_m, frame[:, 0], -frame[:, 1])
 
 
 def camera_shake(rms_deg: float, corner_hz: float, seed: int) -> Shake:
-    """Draw a shake of equal deviation about each axis, the three independent of each other."""
+    """Draw a shake with the same standard deviation about each of the three independent axes."""
     rng = np.random.default_rng([seed, _SHAKE_STREAM])
     first, second, third = (
         band_limited_noise(rng, rms=math.radians(rms_deg), corner_hz=corner_hz) for _ in range(3)
@@ -50,7 +50,7 @@ def camera_shake(rms_deg: float, corner_hz: float, seed: int) -> Shake:
 
 
 def rotation(vector_rad: F64) -> F64:
-    """(3, 3) matrix of a rotation vector: its length is the angle (Rodrigues)."""
+    """Return the (3, 3) matrix of a rotation vector, whose length is the angle (Rodrigues)."""
     angle = float(np.linalg.norm(vector_rad))
     if angle == 0.0:
         return np.eye(3)
@@ -61,4 +61,4 @@ def rotation(vector_rad: F64) -> F64:
 
 
 _SHAKE_STREAM = 1
-"""Keeps the shake's random numbers apart from the wind's of the same seed."""
+"""Random stream of the shake, distinct from that of the wind with the same seed."""

@@ -1,7 +1,7 @@
-"""How a pedestrian walks: limbs that swing in step with the speed, in closed form.
+"""The gait of a pedestrian in closed form: limbs that swing in step with the speed.
 
-The phase φ is 0 where the right heel strikes the ground in front, and grows by 2π a stride, which
-is two steps.
+The phase φ is 0 when the right heel strikes the ground, and grows by 2π per stride, which is two
+steps.
 """
 
 from __future__ import annotations
@@ -16,83 +16,83 @@ import numpy.typing as npt
 from sim.motion.paths import Path, UniformPath
 
 WALK_RATIO_M_S = 0.0065 * 60
-"""Step length over cadence [m / (steps/s)]: 6.5 mm per step a minute (assumed). Walkers keep it
-from 1 m/s upwards (Murakami and Otaka 2017); here it is kept below, too."""
+"""Walk ratio, step length over cadence [m / (steps/s)]: 6.5 mm per step a minute (assumed). Walkers
+keep it from 1 m/s upwards (Murakami and Otaka 2017); here it is kept below 1 m/s too."""
 LEG_M = 0.9
-"""From hip to sole, as `pedestrian.xml` has it."""
+"""Length from hip to sole, as in `pedestrian.xml` [m]."""
 KNEE_REST_RAD, KNEE_SWING_RAD = math.radians(4), math.radians(56)
-"""Flexion of a knee in stance, and what the swing adds at its most: 60° in all (assumed)."""
+"""Flexion of the knee in stance, and the most that the swing adds: 60° in all (assumed)."""
 ANKLE_SHARE = 0.85
-"""How much of the leg's tilt an ankle takes back, so that the sole stays near level (assumed)."""
+"""Share of the tilt of the leg that the ankle cancels, so that the sole stays level (assumed)."""
 SHIN_M = 0.46
-"""From knee to sole, likewise."""
+"""Length from knee to sole, as in `pedestrian.xml` [m]."""
 ARM_SHARE = 0.7
-"""A shoulder's swing over a hip's (assumed)."""
+"""Swing of the shoulder over that of the hip (assumed)."""
 ELBOW_RAD, ELBOW_SWING_RAD = math.radians(22), math.radians(10)
-"""Flexion of an elbow, and its swing (assumed)."""
+"""Flexion of the elbow, and its swing (assumed)."""
 _STEEPEST = 3 * math.sqrt(3) / 8
-"""Largest slope of ((1 - sin φ) / 2)²."""
+"""Largest slope of ((1 − sin φ) / 2)²."""
 EXCURSION_M = 0.6
-"""How far hands and feet swing beyond where they hang (measured)."""
+"""Distance that hands and feet swing beyond their rest positions [m] (measured)."""
 
 F64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Gait:
-    """Angles of a walk at a constant speed.
+    """Joint angles of a walk at constant speed.
 
     Attributes:
-        speed_m_s: over the ground.
+        speed_m_s: walking speed [m/s].
     """
 
     speed_m_s: float
 
     @property
     def step_m(self) -> float:
-        """From one foot's place to the next of the other: √(walk ratio × speed)."""
+        """Step length [m]: √(walk ratio × speed)."""
         return math.sqrt(WALK_RATIO_M_S * self.speed_m_s)
 
     @property
     def stride_s(self) -> float:
-        """Period of the gait: two steps."""
+        """Period of the gait, two steps [s]."""
         return 2 * self.step_m / self.speed_m_s
 
     @property
     def hip_rad(self) -> float:
-        """How far a hip swings to either side: as far as a straight leg must for the step."""
+        """Largest hip angle [rad]: the one that a straight leg needs for the step."""
         return math.asin(self.step_m / (2 * LEG_M))
 
     def phase_rad(self, way_m: float) -> float:
-        """Phase after a way along the ground."""
+        """Return the phase after a distance along the ground [rad]."""
         return math.pi * way_m / self.step_m
 
     def leg_rad(self, phase: float) -> tuple[float, float, float]:
-        """Angles of hip, knee and ankle at the leg's own phase."""
+        """Return the angles of hip, knee and ankle at a phase of that leg [rad]."""
         hip = self.hip_rad * math.cos(phase)
         knee = KNEE_REST_RAD + KNEE_SWING_RAD * ((1 - math.sin(phase)) / 2) ** 2
         return hip, knee, ANKLE_SHARE * (knee - hip)
 
     def arm_rad(self, phase: float) -> tuple[float, float]:
-        """Angles of shoulder and elbow at the phase of the leg on the same side."""
+        """Return the angles of shoulder and elbow at the phase of the leg on that side [rad]."""
         swing = -math.cos(phase)
         return ARM_SHARE * self.hip_rad * swing, ELBOW_RAD + ELBOW_SWING_RAD * swing
 
     def bob_m(self, phase: float) -> float:
-        """Height of the hips compared with standing: lowest where the legs are spread."""
+        """Return the height of the hips above standing [m]; lowest when the legs are spread."""
         return -LEG_M * (1 - math.cos(self.hip_rad * math.cos(phase)))
 
 
 @dataclass(frozen=True, eq=False)
 class Walking:
-    """A pedestrian's motion.
+    """Motion of a pedestrian.
 
     Attributes:
-        path: of the pedestrian.
-        gait: the walk.
-        travel: address of the slide joint along the way.
-        bob: of the slide joint of the height.
-        limbs: (2, 5) of hip, knee, ankle, shoulder and elbow; right, left.
+        path: path of the pedestrian.
+        gait: gait of the pedestrian.
+        travel: `qpos` index of the slide joint along the path.
+        bob: `qpos` index of the slide joint of the height.
+        limbs: (2, 5) `qpos` indices of hip, knee, ankle, shoulder and elbow; right, then left.
     """
 
     path: Path
@@ -110,14 +110,14 @@ class Walking:
             qpos[addresses] = *self.gait.leg_rad(side), *self.gait.arm_rad(side)
 
     def fastest_m_s(self, t_s: float) -> float:
-        """A foot in swing, were hip and knee to turn fastest at once."""
+        """Return a bound on the speed of a swinging foot [m/s]."""
         rate_rad_s = 2 * math.pi / self.gait.stride_s
         swing_m = LEG_M * self.gait.hip_rad + SHIN_M * KNEE_SWING_RAD * _STEEPEST
         return self.path.speed_m_s(t_s) + rate_rad_s * swing_m
 
 
 def walking(model: mujoco.MjModel, prefix: str, *, speed_m_s: float, passes_s: float) -> Walking:
-    """The motion of a pedestrian attached under `prefix`, at the origin at `passes_s` [s]."""
+    """Return the motion of the pedestrian under `prefix`, who passes x = 0 at `passes_s`."""
 
     def address(name: str) -> int:
         return int(model.joint(prefix + name).qposadr[0])

@@ -1,4 +1,4 @@
-"""How objects move: closed forms from the time to the positions of their joints."""
+"""Motions in closed form: joint positions of an object at any time."""
 
 from __future__ import annotations
 
@@ -11,55 +11,56 @@ import numpy.typing as npt
 
 F64 = npt.NDArray[np.float64]
 Addresses = npt.NDArray[np.int64]
-"""Where joints have their positions in `qpos`."""
+"""Indices into `qpos`."""
 
 
 class Path(Protocol):
-    """A way along a straight line over time."""
+    """Position along a straight line over time."""
 
     def position_m(self, t_s: float) -> float:
-        """RelativeDirection along the line [m]."""
+        """Return the position along the line [m]."""
 
     def speed_m_s(self, t_s: float) -> float:
-        """Its derivative [m/s]."""
+        """Return the speed along the line [m/s]."""
 
 
 class Motion(Protocol):
-    """What sets the joints of one object."""
+    """Motion of one object: sets its joints for any time."""
 
     def place(self, qpos: F64, t_s: float) -> None:
-        """Set the object's joints for a time since the target's closest approach [s]."""
+        """Set the joints of the object for a time since the target's closest approach [s]."""
 
     def fastest_m_s(self, t_s: float) -> float:
-        """A bound on the speed of any of its points [m/s]."""
+        """Return a bound on the speed of any point of the object [m/s]."""
 
 
 @dataclass(frozen=True)
 class UniformPath:
-    """Constant speed [m/s], at the origin at `passes_s` [s]."""
+    """Motion at constant speed [m/s] that passes the origin at `passes_s` [s]."""
 
     speed: float
     passes_s: float
 
     def position_m(self, t_s: float) -> float:
-        """RelativeDirection along the line [m]."""
+        """Return the position along the line [m]."""
         return self.speed * (t_s - self.passes_s)
 
     def speed_m_s(self, t_s: float) -> float:  # noqa: ARG002
-        """Its derivative [m/s]."""
+        """Return the speed along the line [m/s]."""
         return self.speed
 
 
 @dataclass(frozen=True, eq=False)
 class Rolling:
-    """A vehicle on wheels that roll without slip.
+    """Motion of a vehicle whose wheels roll without slip.
 
     Attributes:
-        path: of the vehicle.
-        travel: address of its slide joint.
-        wheels: (n,) addresses of the wheels' hinges.
-        radii_m: (n,) of the wheels.
-        spokes_m: (n,) how far from the axis their spokes reach; a tyre bears no mark that turns.
+        path: path of the vehicle.
+        travel: `qpos` index of its slide joint.
+        wheels: (n,) `qpos` indices of the hinges of its wheels.
+        radii_m: (n,) radii of the wheels [m].
+        spokes_m: (n,) radius up to which each wheel shows its rotation: the length of its spokes
+            [m]. Tyres have no visible marks.
     """
 
     path: Path
@@ -75,15 +76,15 @@ class Rolling:
         qpos[self.wheels] = way_m / self.radii_m
 
     def fastest_m_s(self, t_s: float) -> float:
-        """The uppermost spoke of a rolling wheel outruns the vehicle."""
+        """Return a bound on the speed of any point [m/s]: the uppermost spoke is the fastest."""
         return float(1 + np.max(self.spokes_m / self.radii_m)) * self.path.speed_m_s(t_s)
 
 
 def rolling(model: mujoco.MjModel, prefix: str, path: Path) -> Rolling:
-    """The motion of a vehicle attached under `prefix`.
+    """Return the motion of the vehicle that was attached under `prefix`.
 
-    Its file has a slide joint "travel" and hinges "wheel_…", whose bodies stand as high over the
-    vehicle's origin, which is on the ground, as the wheel's radius.
+    Its MJCF file has a slide joint "travel" and hinges "wheel_…". The origin of the vehicle is on
+    the ground, so the height of a wheel's body is the radius of the wheel.
     """
     joints = [model.joint(k) for k in range(model.njnt)]
     wheels = [joint for joint in joints if joint.name.startswith(f"{prefix}wheel_")]
@@ -98,7 +99,7 @@ def rolling(model: mujoco.MjModel, prefix: str, path: Path) -> Rolling:
 
 
 def _spokes_m(model: mujoco.MjModel, body: int) -> float:
-    """How far from a wheel's axis, which is its y, the bars on it reach."""
+    """Return how far the bars on a wheel reach from its axis, which is y [m]."""
     bars = (model.geom_bodyid == body) & (model.geom_type == mujoco.mjtGeom.mjGEOM_BOX)
     if not bars.any():
         return 0.0

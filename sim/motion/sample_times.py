@@ -1,11 +1,11 @@
-"""When to look: samples whose step follows the motion."""
+"""Times of the samples: the step follows the motion."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
 MIN_STEP_US = 10
-"""Below this the sensor's µs stamps would get coarse (assumed)."""
+"""Shortest step [µs]; the sensor's 1 µs time stamps would be coarse below it (assumed)."""
 
 
 def sample_times_us(
@@ -16,15 +16,17 @@ def sample_times_us(
     step_px: float,
     max_step_us: int,
 ) -> Iterator[int]:
-    """Times from `start_us` to `end_us`, both included, so close that nothing moves too far.
+    """Yield sample times from `start_us` to `end_us`, both included.
+
+    Between two samples no point moves farther than `step_px`.
 
     Args:
-        start_us: first sample [µs].
-        end_us: last sample [µs].
-        speed_px_s: the fastest image motion at a time [px/s]; 0 where nothing moves. It may begin
-            and end at any time, but not do both within `max_step_us`.
-        step_px: the farthest that a point may travel between two samples [px].
-        max_step_us: the longest step [µs].
+        start_us: time of the first sample [µs].
+        end_us: time of the last sample [µs].
+        speed_px_s: returns the fastest image motion at a time [µs], 0 if nothing moves [px/s].
+            Motion may begin and end at any time, but not both within `max_step_us`.
+        step_px: largest distance that a point may move between two samples [px].
+        max_step_us: longest step [µs].
 
     Yields:
         Times [µs], strictly increasing.

@@ -1,1 +1,1 @@
-"""Exact visibility: triangles scan-converted at the pixel grid, without a renderer."""
+"""Exact visibility without a renderer: triangles scan-converted on the pixel or sub-pixel grid."""

@@ -1,8 +1,8 @@
-"""Dense truth of an image: depth and optical flow of every pixel's middle, from rigid motions.
+"""Dense ground truth of an image: depth and optical flow at every pixel centre.
 
-All is said in the camera's own frame, right, down and forward, so that what the camera itself
-does, its shake included, is part of the motion. The sky is infinitely far: it moves as the camera
-turns, and no other way.
+Both are exact: they follow from the rigid motion of each body. Everything is expressed in the
+camera's own frame (right, down, forward), so that the camera's motion, including shake, is part of
+the flow. The sky is infinitely far away: its flow comes from camera rotation alone.
 """
 
 from __future__ import annotations
@@ -11,65 +11,70 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Intrinsics
+from sim.geometry.pinhole import Eye, Intrinsics
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
-from sim.raster.visibility import Visible
+from sim.raster.visibility import VisibilityMap
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 
 
-def depth_m(visible: Visible) -> F32:
-    """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
+def depth_m(visible: VisibilityMap) -> F32:
+    """Return the depth along the optical axis [m].
+
+    Returns:
+        (height, width) float32; infinite for the sky.
+    """
     with np.errstate(divide="ignore"):
         return np.asarray(1 / visible.nearness, np.float32)
 
 
-def flow_px_s(visible: Visible, twists: F64, lens: Intrinsics) -> F32:
-    """Velocity in the image of what each pixel's middle shows.
+def flow_px_s(visible: VisibilityMap, twists: F64, lens: Intrinsics) -> F32:
+    """Return the optical flow at each pixel centre.
 
-    Of a point X = (x, y, z) that moves at Ẋ before the camera it is f·(ẋ/z − x·ż/z², …).
+    A point X = (x, y, z) that moves at Ẋ in the camera's frame has the flow f·(ẋ/z − x·ż/z², …).
 
     Args:
         visible: what the camera sees.
-        twists: (bodies, 3, 4) from a place in the camera's frame to the velocity there of what is
-            rigidly joined to each body [1/s, m/s].
-        lens: the camera's.
+        twists: (bodies, 3, 4) for each body, map from a position in the camera's frame to the
+            velocity there of a point that is rigidly joined to the body [1/s, m/s].
+        lens: intrinsics of the camera.
 
     Returns:
         (height, width, 2) float32, x and y [px/s].
     """
-    return np.asarray(_over_image(visible.body, visible.nearness, twists, *_eye(lens), True))
+    return np.asarray(_per_pixel(visible.body, visible.nearness, twists, _eye(lens), True))
 
 
-def displacement_px(visible: Visible, moves: F64, lens: Intrinsics) -> F32:
-    """How far what each pixel's middle shows has gone in the image when its body has moved.
+def displacement_px(visible: VisibilityMap, transforms: F64, lens: Intrinsics) -> F32:
+    """Return how far the point at each pixel centre moves in the image when its body moves.
 
     Args:
-        visible: what the camera sees before.
-        moves: (bodies, 3, 4) from a place in the camera's frame to where it is in the camera's
-            frame later, for what is rigidly joined to each body.
-        lens: the camera's.
+        visible: what the camera sees at the first time.
+        transforms: (bodies, 3, 4) for each body, map from a position in the camera's frame at the
+            first time to the position at the second time of a point rigidly joined to the body.
+        lens: intrinsics of the camera.
 
     Returns:
-        (height, width, 2) float32, x and y [px]; it may lead out of the image, or to where
-        something else is in front; not a number where it leads behind the camera.
+        (height, width, 2) float32, x and y [px]. The displaced point may lie outside the image or
+        be occluded. The displacement is NaN where the point ends up behind the camera.
     """
-    return np.asarray(_over_image(visible.body, visible.nearness, moves, *_eye(lens), False))
+    return np.asarray(_per_pixel(visible.body, visible.nearness, transforms, _eye(lens), False))
 
 
 def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
-    """Velocities of rigid bodies from where they are at three times, by central differences.
+    """Return the velocities of rigid bodies from their poses at three times (central differences).
 
     Args:
-        before: (bodies, 3, 4) from each body's frame into the camera's, half of `apart_s` earlier.
-        now: likewise.
-        after: likewise, as much later.
-        apart_s: from `before` to `after` [s].
+        before: (bodies, 3, 4) transform from each body's frame into the camera's, half of `apart_s`
+            before the time in question.
+        now: the same transforms at the time in question.
+        after: the same transforms half of `apart_s` after it.
+        apart_s: time from `before` to `after` [s].
 
     Returns:
-        (bodies, 3, 4) from a place in the camera's frame to the velocity there [1/s, m/s].
+        (bodies, 3, 4) map from a position in the camera's frame to the velocity there [1/s, m/s].
     """
     rate = (after - before) / apart_s
     back = inverse_transform(now)
@@ -79,50 +84,56 @@ def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
 
 
 def transforms_between(before: F64, after: F64) -> F64:
-    """(bodies, 3, 4) from the camera's frame at one time to its frame at another.
+    """Return, for each body, the transform from the camera's frame at one time to another time.
 
     Args:
-        before: (bodies, 3, 4) from each body's frame into the camera's, at the first time.
-        after: likewise, at the second.
+        before: (bodies, 3, 4) transform from each body's frame into the camera's at the first time.
+        after: the same transforms at the second time.
+
+    Returns:
+        (bodies, 3, 4).
     """
     return compose_transforms(inverse_transform(before), after)
 
 
-def _eye(lens: Intrinsics) -> tuple[float, float, float]:
-    return lens.focal_px, lens.width / 2, lens.height / 2
+def _eye(lens: Intrinsics) -> Eye:
+    return Eye(lens.focal_px, lens.width / 2, lens.height / 2)
 
 
 @compiled
-def _applied(moves: F64, k: int, x: float, y: float, near: float) -> tuple[float, float, float]:
-    """Matrix `k` applied to the place (x, y, 1) / near, times near."""
+def _apply(transforms: F64, k: int, x: float, y: float, near: float) -> tuple[float, float, float]:
+    """Return transform `k` of the position (x, y, 1) / near, multiplied by near."""
     return (
-        moves[k, 0, 0] * x + moves[k, 0, 1] * y + moves[k, 0, 2] + moves[k, 0, 3] * near,
-        moves[k, 1, 0] * x + moves[k, 1, 1] * y + moves[k, 1, 2] + moves[k, 1, 3] * near,
-        moves[k, 2, 0] * x + moves[k, 2, 1] * y + moves[k, 2, 2] + moves[k, 2, 3] * near,
+        transforms[k, 0, 0] * x
+        + transforms[k, 0, 1] * y
+        + transforms[k, 0, 2]
+        + transforms[k, 0, 3] * near,
+        transforms[k, 1, 0] * x
+        + transforms[k, 1, 1] * y
+        + transforms[k, 1, 2]
+        + transforms[k, 1, 3] * near,
+        transforms[k, 2, 0] * x
+        + transforms[k, 2, 1] * y
+        + transforms[k, 2, 2]
+        + transforms[k, 2, 3] * near,
     )
 
 
 @compiled
-def _over_image(
-    body: I32,
-    nearness: F32,
-    moves: F64,
-    focal: float,
-    centre_x: float,
-    centre_y: float,
-    rates: bool,
-) -> F32:
-    """What each pixel's body does to it: (height, width, 2), x and y.
+def _per_pixel(body: I32, nearness: F32, transforms: F64, eye: Eye, rates: bool) -> F32:
+    """Apply each pixel's body motion to the point at the pixel centre.
 
     Args:
-        body: (height, width), the sky below 0: it turns as the world does.
+        body: (height, width) body numbers. The sky is negative; it rotates as the world does.
         nearness: (height, width) [1/m].
-        moves: (bodies, 3, 4) from places to velocities, or to where they go.
-        focal: of the camera [px].
-        centre_x: where its axis meets the image [px].
-        centre_y: likewise.
-        rates: whether `moves` gives velocities.
+        transforms: (bodies, 3, 4) from positions to velocities, or to later positions.
+        eye: projection of the camera.
+        rates: True if `transforms` gives velocities.
+
+    Returns:
+        (height, width, 2) float32, x and y.
     """
+    focal, centre_x, centre_y = eye
     height, width = body.shape
     out = np.empty((height, width, 2), np.float32)
     for row in range(height):
@@ -130,7 +141,7 @@ def _over_image(
         for column in range(width):
             x = (column + 0.5 - centre_x) / focal
             k = max(body[row, column], 0)
-            a, b, c = _applied(moves, k, x, y, nearness[row, column])
+            a, b, c = _apply(transforms, k, x, y, nearness[row, column])
             if rates:
                 out[row, column, 0] = focal * (a - x * c)
                 out[row, column, 1] = focal * (b - y * c)

@@ -1,7 +1,8 @@
-"""Exact visibility: triangles scan-converted into a depth buffer, as often as the scene moves.
+"""Scan conversion of triangles into a depth buffer.
 
-The renderer draws light; where things are is drawn here, at a hundredth of the cost. A buffer
-holds, for every point of a regular grid, which triangle is nearest and how near.
+The renderer computes luminance. Geometry alone is computed here, at a hundredth of the cost, so
+that it can be computed anew at every sample. A buffer holds the label of the nearest triangle and
+its nearness (1/depth) at each point of a regular grid.
 """
 
 from __future__ import annotations
@@ -12,38 +13,42 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.raster.triangle_rows import crossings, from_top, slopes
+from sim.raster.triangle_rows import edge_slopes, row_span, sort_corners_by_row
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
-NOTHING = -1
-"""What a buffer shows where no triangle is."""
+NO_LABEL = -1
+"""Label of a grid point that no triangle covers."""
 
 
 def empty_buffer(height: int, width: int) -> tuple[F32, I32]:
-    """Nearness, (height, width) float32 of zeros, and labels, the same of `NOTHING`, int32."""
-    return np.zeros((height, width), np.float32), np.full((height, width), NOTHING, np.int32)
+    """Return an empty buffer.
+
+    Returns:
+        Nearness, (height, width) float32, all 0; and labels, (height, width) int32, all `NO_LABEL`.
+    """
+    return np.zeros((height, width), np.float32), np.full((height, width), NO_LABEL, np.int32)
 
 
 @compiled
-def perspective(
+def project_triangles(
     corners: F64, focal: float, centre_x: float, centre_y: float, near: float
 ) -> tuple[F64, I32]:
-    """Project triangles, cut off at the near plane.
+    """Project triangles and clip them at the near plane.
 
     Args:
-        corners: (n, 3, 3) triangles by corner; right, down and forward of the eye [m].
+        corners: (n, 3, 3) corners of the triangles in the camera's frame: right, down, forward [m].
         focal: focal length [grid points].
-        centre_x: where the optical axis meets the grid [grid points].
-        centre_y: likewise.
+        centre_x: column where the optical axis meets the grid [grid points].
+        centre_y: row where the optical axis meets the grid [grid points].
         near: distance of the near plane [m].
 
     Returns:
-        (m, 3, 3) x, y [grid points] and 1/depth [1/m] of each corner, and (m,) which of the
-        triangles each came from; one that the plane cuts makes one or two.
+        (m, 3, 3) x, y [grid points] and 1/depth [1/m] of each corner; and (m,) the index of the
+        triangle that each comes from. A triangle that the near plane cuts gives one or two.
     """
     out = np.empty((2 * len(corners), 3, 3))
     source = np.empty(2 * len(corners), np.int32)
@@ -74,7 +79,7 @@ def perspective(
 
 @compiled
 def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
-    """Cut triangle `t` off at the near plane; the number of corners written to `clipped`."""
+    """Clip triangle `t` at the near plane. Return the number of corners written to `clipped`."""
     size = 0
     for i in range(3):
         j = (i + 1) % 3
@@ -96,20 +101,20 @@ def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
 def rasterise(
     triangles: F64, labels: I32, x0: int, y0: int, nearness: F32, label: I32, one_sided: bool
 ) -> None:
-    """Draw triangles into a buffer, in place; the nearest wins.
+    """Rasterise triangles into a buffer, in place. The nearest triangle wins.
 
-    A grid point (i, j) lies at (i + ½, j + ½). A triangle covers the points inside of it and, of
-    those on an edge that two share, each one's own.
+    Grid point (i, j) lies at (i + ½, j + ½). A triangle covers the points inside it. A point on an
+    edge that two triangles share is covered by exactly one of them.
 
     Args:
-        triangles: (n, 3, 3) x, y [grid points], and what falls linearly across the grid with
-            distance: 1/depth in perspective [1/m].
-        labels: (n,) what to write where a triangle is seen.
+        triangles: (n, 3, 3) x, y [grid points], and a nearness that is linear across the grid and
+            falls with distance: 1/depth in perspective [1/m].
+        labels: (n,) label to write where a triangle is visible.
         x0: column of the buffer's first point.
-        y0: row likewise.
-        nearness: (height, width), the buffer.
-        label: (height, width), the buffer.
-        one_sided: leave out triangles that are seen from behind (clockwise, y down).
+        y0: row of the buffer's first point.
+        nearness: (height, width), nearness of the buffer.
+        label: (height, width), labels of the buffer.
+        one_sided: skip triangles that are seen from behind (clockwise, y down).
     """
     height, width = nearness.shape
     for t in range(len(triangles)):
@@ -125,56 +130,58 @@ def rasterise(
             continue
         slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
         slope_y = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area
-        what, start_x, start_y = labels[t], ax, ay
-        ax, ay, bx, by, cx, cy = from_top(ax, ay, bx, by, cx, cy)
-        whole, upper, lower = slopes(ax, ay, bx, by, cx, cy)
+        triangle_label, start_x, start_y = labels[t], ax, ay
+        ax, ay, bx, by, cx, cy = sort_corners_by_row(ax, ay, bx, by, cx, cy)
+        long_slope, upper_slope, lower_slope = edge_slopes(ax, ay, bx, by, cx, cy)
         for row in range(first, last):
             y = row + y0 + 0.5
-            low, high = crossings(ax, ay, bx, by, whole, upper, lower, y)
+            low, high = row_span(ax, ay, bx, by, long_slope, upper_slope, lower_slope, y)
             start = max(math.ceil(low - 0.5 - x0), 0)
             stop = min(math.ceil(high - 0.5 - x0), width)
             near = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
             for column in range(start, stop):
                 if near > nearness[row, column]:
                     nearness[row, column] = near
-                    label[row, column] = what
+                    label[row, column] = triangle_label
                 near += slope_x
 
 
 @compiled
-def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: Bools) -> int:
-    """Mark the grid points inside of triangles that face the eye, in place.
+def mark_covered(
+    corners_xy: F64, faces: I32, x0: float, y0: float, stride: float, covered: Bools
+) -> int:
+    """Mark the grid points inside triangles that face the camera, in place.
 
     Grid point (i, j) lies at (x0 + i · stride, y0 + j · stride).
 
     Args:
-        flat: (n, 2) corners; triangles with one that is not a number are left out.
-        faces: (m, 3) triangles, anticlockwise as seen from outside.
+        corners_xy: (n, 2) coordinates of corners. Triangles with a NaN corner are skipped.
+        faces: (m, 3) corner indices of the triangles, anticlockwise as seen from outside.
         x0: column of the first grid point.
-        y0: its row.
-        stride: from one to the next.
-        covered: (height, width), set to true.
+        y0: row of the first grid point.
+        stride: distance between grid points.
+        covered: (height, width), set to true at covered points.
 
     Returns:
-        How many points are newly marked.
+        Number of newly marked points.
     """
     height, width = covered.shape
     count = 0
     for k in range(len(faces)):
         a, b, c = faces[k, 0], faces[k, 1], faces[k, 2]
-        ax, ay, bx, by = flat[a, 0], flat[a, 1], flat[b, 0], flat[b, 1]
-        cx, cy = flat[c, 0], flat[c, 1]
+        ax, ay, bx, by = corners_xy[a, 0], corners_xy[a, 1], corners_xy[b, 0], corners_xy[b, 1]
+        cx, cy = corners_xy[c, 0], corners_xy[c, 1]
         if not (bx - ax) * (cy - ay) - (cx - ax) * (by - ay) < 0.0:
             continue
         first = max(math.ceil((min(ay, by, cy) - y0) / stride), 0)
         last = min(math.ceil((max(ay, by, cy) - y0) / stride), height)
         if first >= last:
             continue
-        ax, ay, bx, by, cx, cy = from_top(ax, ay, bx, by, cx, cy)
-        whole, upper, lower = slopes(ax, ay, bx, by, cx, cy)
+        ax, ay, bx, by, cx, cy = sort_corners_by_row(ax, ay, bx, by, cx, cy)
+        long_slope, upper_slope, lower_slope = edge_slopes(ax, ay, bx, by, cx, cy)
         for row in range(first, last):
             y = y0 + row * stride
-            low, high = crossings(ax, ay, bx, by, whole, upper, lower, y)
+            low, high = row_span(ax, ay, bx, by, long_slope, upper_slope, lower_slope, y)
             start = max(math.ceil((low - x0) / stride), 0)
             for column in range(start, min(math.ceil((high - x0) / stride), width)):
                 count += not covered[row, column]
@@ -183,16 +190,16 @@ def cover(flat: F64, faces: I32, x0: float, y0: float, stride: float, covered: B
 
 
 @compiled
-def transform(triangles: F64, body: I32, moves: F64) -> F64:
-    """Move triangles, each with its body.
+def transform_triangles(triangles: F64, body: I32, transforms: F64) -> F64:
+    """Apply to each triangle the rigid transform of its body.
 
     Args:
         triangles: (n, 3, 3) in their bodies' frames [m].
-        body: (n,) which body each belongs to.
-        moves: (bodies, 3, 4) rotation and translation.
+        body: (n,) number of the body that each triangle belongs to.
+        transforms: (bodies, 3, 4) rotation and translation of each body.
 
     Returns:
-        (n, 3, 3).
+        (n, 3, 3) transformed triangles.
     """
     out = np.empty_like(triangles)
     for t in range(len(triangles)):
@@ -201,26 +208,26 @@ def transform(triangles: F64, body: I32, moves: F64) -> F64:
             x, y, z = triangles[t, i, 0], triangles[t, i, 1], triangles[t, i, 2]
             for axis in range(3):
                 out[t, i, axis] = (
-                    moves[b, axis, 0] * x
-                    + moves[b, axis, 1] * y
-                    + moves[b, axis, 2] * z
-                    + moves[b, axis, 3]
+                    transforms[b, axis, 0] * x
+                    + transforms[b, axis, 1] * y
+                    + transforms[b, axis, 2] * z
+                    + transforms[b, axis, 3]
                 )
     return out
 
 
 @compiled
-def bounds(triangles: F64, labels: I32, count: int) -> F64:
-    """What each label's triangles span.
+def label_bounds(triangles: F64, labels: I32, count: int) -> F64:
+    """Return the bounding box of each label's triangles.
 
     Args:
         triangles: (n, 3, 3) x, y and nearness [grid points].
-        labels: (n,) of each triangle, below `count`.
-        count: of labels.
+        labels: (n,) label of each triangle, below `count`.
+        count: number of labels.
 
     Returns:
-        (count, 4) lowest x and y, highest x and y; infinite the wrong way round where a label has
-        none.
+        (count, 4) lowest x and y, highest x and y. A label without triangles has lowest values of
+        +∞ and highest values of −∞.
     """
     out = np.empty((count, 4))
     out[:, :2] = np.inf

@@ -1,17 +1,23 @@
-"""Where the rows of a grid cross a triangle, reckoned alike for triangles that share an edge."""
+"""Intersections of grid rows with a triangle.
+
+Triangles that share an edge get the same intersections with it, so that no gaps open between them.
+"""
 
 from __future__ import annotations
 
 from flybench.kernels import inlined
 
-Six = tuple[float, float, float, float, float, float]
+CornersXY = tuple[float, float, float, float, float, float]
 
 
 @inlined
-def from_top(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> Six:
-    """A triangle's corners from top to bottom.
+def sort_corners_by_row(
+    ax: float, ay: float, bx: float, by: float, cx: float, cy: float
+) -> CornersXY:
+    """Return a triangle's corners, sorted from top to bottom.
 
-    Two triangles that share an edge so reckon it alike; else cracks would open between them.
+    The order makes two triangles that share an edge compute it in the same way. Otherwise gaps
+    would open between them.
     """
     if by < ay:
         ax, ay, bx, by = bx, by, ax, ay
@@ -23,36 +29,36 @@ def from_top(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -
 
 
 @inlined
-def slopes(
+def edge_slopes(
     ax: float, ay: float, bx: float, by: float, cx: float, cy: float
 ) -> tuple[float, float, float]:
-    """Columns a row of the edges from top to bottom, from top to middle, from there to bottom."""
+    """Return the edges' slopes in columns per row: top-bottom, top-middle and middle-bottom."""
     return (cx - ax) / (cy - ay), (bx - ax) / (by - ay), (cx - bx) / (cy - by)
 
 
 @inlined
-def crossings(
+def row_span(
     ax: float,
     ay: float,
     bx: float,
     by: float,
-    whole: float,
-    upper: float,
-    lower: float,
+    long_slope: float,
+    upper_slope: float,
+    lower_slope: float,
     y: float,
 ) -> tuple[float, float]:
-    """Where a row enters a triangle and leaves it.
+    """Return the columns at which a row enters and leaves a triangle.
 
     Args:
-        ax: of its topmost corner.
-        ay: likewise.
-        bx: of its middle one.
-        by: likewise.
-        whole: as `slopes` has them, and so the next two.
-        upper: likewise.
-        lower: likewise.
-        y: of the row, between the topmost corner and the lowest.
+        ax: column of the topmost corner.
+        ay: row of the topmost corner.
+        bx: column of the middle corner.
+        by: row of the middle corner.
+        long_slope: slope of the edge from top to bottom, from `edge_slopes`.
+        upper_slope: slope of the edge from top to middle.
+        lower_slope: slope of the edge from middle to bottom.
+        y: coordinate of the row, between those of the topmost and the lowest corner.
     """
-    one = ax + (y - ay) * whole
-    other = ax + (y - ay) * upper if y < by else bx + (y - by) * lower
+    one = ax + (y - ay) * long_slope
+    other = ax + (y - ay) * upper_slope if y < by else bx + (y - by) * lower_slope
     return min(one, other), max(one, other)

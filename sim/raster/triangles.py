@@ -1,4 +1,4 @@
-"""A MuJoCo model as triangles, facet for facet those that the renderer draws."""
+"""The triangles of a MuJoCo model: exactly the facets that the renderer draws."""
 
 from __future__ import annotations
 
@@ -10,76 +10,76 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.errors import SceneConfigError
-from sim.raster.scan_conversion import transform
+from sim.raster.scan_conversion import transform_triangles
 
-ENDLESS_M = 50.0
-"""Half side that a plane without size is drawn with [m] (assumed)."""
+INFINITE_PLANE_HALF_SIDE_M = 50.0
+"""Half side of the square that stands for a plane without a size [m] (assumed)."""
 
 F64 = npt.NDArray[np.float64]
 Triangles = npt.NDArray[np.float64]
-"""(n, 3, 3): triangle, corner, x y z [m]; anticlockwise as seen from outside."""
+"""(n, 3, 3): triangle, corner, x y z [m]. Corners run anticlockwise as seen from outside."""
 
 
 @dataclass(frozen=True, eq=False)
-class Soup:
-    """All visible triangles of a model, each in the frame of the rigid body that it belongs to.
+class TriangleSoup:
+    """All visible triangles of a model, each in the frame of its rigid body.
 
     Attributes:
         triangles_m: (n, 3, 3) float64, in the body's frame [m].
-        body: (n,) int32, number of the rigid body; 0 for what is fixed to the world.
-        geom: (n,) int32, number of the geom.
+        body: (n,) int32, number of the triangle's rigid body; 0 for what is fixed to the world.
+        geom: (n,) int32, number of the triangle's geom.
     """
 
     triangles_m: Triangles
     body: npt.NDArray[np.int32]
     geom: npt.NDArray[np.int32]
 
-    def of_bodies(self, bodies: npt.ArrayLike) -> Soup:
-        """The triangles of some bodies."""
-        return self.chosen(np.isin(self.body, bodies))
+    def of_bodies(self, bodies: npt.ArrayLike) -> TriangleSoup:
+        """Return the triangles of the given bodies."""
+        return self.subset(np.isin(self.body, bodies))
 
-    def without_bodies(self, bodies: npt.ArrayLike) -> Soup:
-        """The triangles of all other bodies."""
-        return self.chosen(~np.isin(self.body, bodies))
+    def without_bodies(self, bodies: npt.ArrayLike) -> TriangleSoup:
+        """Return the triangles of all bodies except the given ones."""
+        return self.subset(~np.isin(self.body, bodies))
 
-    def chosen(self, which: npt.NDArray[np.bool_]) -> Soup:
-        """Those of the triangles that a mask, (n,) bool, names."""
-        return Soup(self.triangles_m[which], self.body[which], self.geom[which])
+    def subset(self, mask: npt.NDArray[np.bool_]) -> TriangleSoup:
+        """Return the triangles that an (n,) bool mask selects."""
+        return TriangleSoup(self.triangles_m[mask], self.body[mask], self.geom[mask])
 
-    def moved(self, moves: F64) -> Triangles:
-        """The triangles after their bodies' moves, (bodies, 3, 4)."""
-        return np.asarray(transform(self.triangles_m, self.body, moves))
+    def transformed(self, transforms: F64) -> Triangles:
+        """Return the triangles after the transforms of their bodies, (bodies, 3, 4)."""
+        return np.asarray(transform_triangles(self.triangles_m, self.body, transforms))
 
 
-def triangle_soup(model: mujoco.MjModel) -> Soup:
-    """The visible geoms of a model as triangles.
+def triangle_soup(model: mujoco.MjModel) -> TriangleSoup:
+    """Return the visible geoms of a model as triangles.
 
     Args:
-        model: of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
+        model: model of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
 
     Raises:
-        SceneConfigError: it has a geom of another type.
+        SceneConfigError: the model has a geom of another type.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     rigid = model.body_weldid[model.geom_bodyid]
     visible = np.flatnonzero(model.geom_rgba[:, 3] > 0)
-    pieces = [_in_body(model, data, int(k), int(rigid[k])) for k in visible]
-    counts = [len(piece) for piece in pieces]
-    return Soup(
-        np.concatenate([*pieces, np.empty((0, 3, 3))]),
+    by_geom = [_in_body_frame(model, data, int(k), int(rigid[k])) for k in visible]
+    counts = [len(triangles) for triangles in by_geom]
+    return TriangleSoup(
+        np.concatenate([*by_geom, np.empty((0, 3, 3))]),
         np.repeat(rigid[visible], counts).astype(np.int32),
         np.repeat(visible, counts).astype(np.int32),
     )
 
 
-def _in_body(model: mujoco.MjModel, data: mujoco.MjData, geom: int, body: int) -> Triangles:
+def _in_body_frame(model: mujoco.MjModel, data: mujoco.MjData, geom: int, body: int) -> Triangles:
     world = geom_triangles(model, data, geom)
     return np.asarray((world - data.xpos[body]) @ data.xmat[body].reshape(3, 3))
 
 
 def unit_normals(triangles: Triangles) -> F64:
-    """(n, 3) unit normals; zero for a triangle without area."""
+    """Return the unit normals, (n, 3). The normal of a triangle without area is zero."""
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     length = np.linalg.norm(across, axis=1, keepdims=True)
     normals: F64 = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
@@ -87,18 +87,18 @@ def unit_normals(triangles: Triangles) -> F64:
 
 
 def geom_triangles(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Triangles:
-    """A geom's triangles in the world."""
+    """Return a geom's triangles in the world frame."""
     kind = mujoco.mjtGeom(model.geom_type[geom])
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         local = _mesh(model, int(model.geom_dataid[geom]))
     elif kind in _SHAPES:
-        fineness = model.vis.quality
-        local = _SHAPES[kind](model.geom_size[geom], fineness.numslices, fineness.numstacks)
+        quality = model.vis.quality
+        local = _SHAPES[kind](model.geom_size[geom], quality.numslices, quality.numstacks)
     else:
         allowed = ", ".join(shape.name for shape in (*_SHAPES, mujoco.mjtGeom.mjGEOM_MESH))
         raise SceneConfigError(
-            f"geom {geom} is of type {kind.name}, which has no triangles here; allowed are "
-            f"{allowed}; replace it by one of these"
+            f"geom {geom} has the type {kind.name}, which cannot be converted to triangles. "
+            f"Allowed are {allowed}. Replace the geom by one of these."
         )
     world: Triangles = local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
     return world
@@ -118,7 +118,7 @@ def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
 
 
 def _plane(size: F64, slices: int, stacks: int) -> Triangles:
-    half = np.where(size[:2] > 0, size[:2], ENDLESS_M)
+    half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE_HALF_SIDE_M)
     flat: Triangles = _box(np.ones(3), slices, stacks)[:2] * [*half, 0.0]
     return flat
 
@@ -153,7 +153,7 @@ def _capsule(size: F64, slices: int, stacks: int) -> Triangles:
 
 
 def _revolved(radii: F64, heights: F64, slices: int) -> Triangles:
-    """Turn a profile, from bottom to top, about the z axis."""
+    """Revolve a profile, given from bottom to top, about the z axis."""
     angle = np.arange(slices + 1) * 2 * np.pi / slices
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     points = np.empty((len(radii), slices + 1, 3))
@@ -166,7 +166,7 @@ def _revolved(radii: F64, heights: F64, slices: int) -> Triangles:
 
 
 def _without_slivers(triangles: Triangles) -> Triangles:
-    """Drop those without area, which a profile that ends on the axis makes."""
+    """Drop triangles without area, which a profile that ends on the axis produces."""
     return triangles[np.any(unit_normals(triangles) != 0.0, axis=1)]
 
 

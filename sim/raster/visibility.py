@@ -1,4 +1,4 @@
-"""What each pixel's middle shows, and how far away: exact, from poses and triangles."""
+"""Body and nearness at every pixel centre, computed exactly from poses and triangles."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy.typing as npt
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NOTHING, empty_buffer, perspective, rasterise
-from sim.raster.triangles import Soup
+from sim.raster.scan_conversion import NO_LABEL, empty_buffer, project_triangles, rasterise
+from sim.raster.triangles import TriangleSoup
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -19,8 +19,8 @@ I32 = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
-class Visible:
-    """What each pixel's middle shows.
+class VisibilityMap:
+    """Body and nearness at every pixel centre.
 
     Attributes:
         body: (height, width) int32, number of the rigid body; 0 for what is fixed to the world,
@@ -32,43 +32,50 @@ class Visible:
     nearness: F32
 
 
-def look(
-    soup: Soup, poses: F64, pose: Pose, lens: Intrinsics, before: Visible | None = None
-) -> Visible:
-    """Look at triangles from a camera.
+def visibility_map(
+    soup: TriangleSoup,
+    poses: F64,
+    pose: Pose,
+    lens: Intrinsics,
+    before: VisibilityMap | None = None,
+) -> VisibilityMap:
+    """Return what a camera sees of a triangle soup at its pixel centres.
 
     Args:
-        soup: the triangles.
-        poses: (bodies, 3, 4) from each body's frame into the world.
-        pose: the camera's.
-        lens: likewise.
-        before: what else the same camera sees; it stays as it is.
+        soup: triangles to look at.
+        poses: (bodies, 3, 4) transform from each body's frame into the world.
+        pose: pose of the camera.
+        lens: intrinsics of the camera.
+        before: other things that the camera sees; they hide triangles behind them. Not changed.
     """
     if before is None:
         nearness, body = empty_buffer(lens.height, lens.width)
     else:
         nearness, body = before.nearness.copy(), before.body.copy()
-    seen = soup.moved(compose_transforms(poses, pose.into))
-    flat, source = perspective(seen, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M)
-    rasterise(flat, soup.body[source], 0, 0, nearness, body, True)
-    return Visible(body, nearness)
+    in_camera = soup.transformed(compose_transforms(poses, pose.into))
+    projected, source = project_triangles(
+        in_camera, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M
+    )
+    rasterise(projected, soup.body[source], 0, 0, nearness, body, True)
+    return VisibilityMap(body, nearness)
 
 
-def show_middles(
-    visible: Visible, label: I32, nearness: F32, rectangle: Rectangle, supersample: int
+def overlay_movers(
+    visible: VisibilityMap, label: I32, nearness: F32, rectangle: Rectangle, supersample: int
 ) -> None:
-    """Put movers over what is visible, in place.
+    """Write the bodies of moving objects over a visibility map, in place.
 
     Args:
-        visible: without them.
-        label: fine points of the rectangle: which body is seen, `NOTHING` for what was there.
-        nearness: of the same points [1/m].
+        visible: map without the moving objects.
+        label: body number at each sub-pixel of the rectangle; `NO_LABEL` keeps the map's body.
+        nearness: nearness at the same sub-pixels [1/m].
         rectangle: x0, y0, x1, y1 [px].
-        supersample: points per pixel and axis; if even, the point after the middle is taken.
+        supersample: sub-pixels per pixel and axis. If it is even, no sub-pixel lies on the pixel
+            centre; the one after the centre is taken.
     """
     x0, y0, x1, y1 = rectangle
-    middle = slice(supersample // 2, None, supersample)
-    body = label[middle, middle]
-    moved = body != NOTHING
-    visible.body[y0:y1, x0:x1][moved] = body[moved]
-    visible.nearness[y0:y1, x0:x1][moved] = nearness[middle, middle][moved]
+    centre = slice(supersample // 2, None, supersample)
+    body = label[centre, centre]
+    is_mover = body != NO_LABEL
+    visible.body[y0:y1, x0:x1][is_mover] = body[is_mover]
+    visible.nearness[y0:y1, x0:x1][is_mover] = nearness[centre, centre][is_mover]

@@ -1,1 +1,1 @@
-"""MuJoCo's Filament renderer, read in cd/m², and what it needs from the machine."""
+"""MuJoCo's Filament renderer, whose images are read in cd/m², and its demands on the machine."""

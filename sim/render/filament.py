@@ -1,9 +1,9 @@
-"""The photometric camera: MuJoCo's Filament renderer read in cd/m².
+"""MuJoCo's Filament renderer, whose images are read in cd/m².
 
-Filament writes linear float32 of luminance × exposure in the red channel; what it draws is a
-`sim.render.luminance_model`, whose colours are their luminance. Where only part of the image can
-have changed, a rectangle of it is drawn through the whole image's frustum, so that nothing else
-moves.
+Filament writes luminance × exposure as linear float32 into the red channel. It renders a model from
+`sim.render.luminance_model`, in which every colour is a grey of the same luminance. A rectangle of
+the image is rendered with the frustum of the whole image, so that its pixels show what they would
+show in the whole image.
 """
 
 from __future__ import annotations
@@ -21,34 +21,38 @@ from mujoco import mjrf
 
 from sim.errors import RendererError
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle
-from sim.raster.aperture import REACH_PX, to_pixels
+from sim.geometry.rectangles import Rectangle, whole
+from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.free_memory import return_free_memory
 from sim.render.quiet_output import suppress_output
 from sim.render.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
-"""Filament's default exposure (f/16, 1/125 s, ISO 100): what it multiplies a luminance by."""
+"""Factor that Filament applies to luminance at its default exposure (f/16, 1/125 s, ISO 100)."""
 NO_SHADOW_GROUP = 2
-"""Geoms of this group cast no shadow: the shadow pass costs by the piece."""
+"""Geoms of this group cast no shadow, because every geom that does makes the shadow pass slower."""
 FAR_M = 120.0
-"""Distance of the far clipping plane, beyond the street's ends [m] (assumed)."""
+"""Distance of the far clipping plane, beyond both ends of the street [m] (assumed)."""
 
 Luminance = npt.NDArray[np.float32]
 
 
 class FilamentRenderer:
-    """Draws one model from any pose; use as a context manager."""
+    """Renders one model from any pose. Use as a context manager.
+
+    Attributes:
+        intrinsics: lens and sensor.
+    """
 
     def __init__(self, model: mujoco.MjModel, intrinsics: Intrinsics) -> None:
         """Set up the renderer.
 
         Args:
-            model: with photometric lights; see `sim.render.luminance_model`.
-            intrinsics: the lens and sensor.
+            model: model with photometric lights; see `sim.render.luminance_model`.
+            intrinsics: lens and sensor.
 
         Raises:
-            RendererError: no Vulkan device.
+            RendererError: this machine has no Vulkan device.
         """
         software = require_vulkan()
         self.intrinsics = intrinsics
@@ -60,7 +64,7 @@ class FilamentRenderer:
         self._resources = mjrf.ModelResources(self._context, model)
         self._lights = mjrf.ModelLights(self._scene, self._resources)
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
-        self._renderables.update(mujoco.MjData(model))  # makes them
+        self._renderables.update(mujoco.MjData(model))  # the first update creates them
         self._shadowless = [
             self._renderable(int(geom))
             for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
@@ -74,7 +78,7 @@ class FilamentRenderer:
         self.close()
 
     def close(self) -> None:
-        """Free the device's memory; the renderer is of no use afterwards."""
+        """Free the device's memory. The renderer cannot be used afterwards."""
         with suppress_output():
             for name in (
                 "_targets",
@@ -89,52 +93,52 @@ class FilamentRenderer:
         return_free_memory()
 
     def update(self, data: mujoco.MjData) -> None:
-        """Take over the poses of `data`, whose kinematics must be up to date."""
+        """Move geoms and lights to their poses in `data`, whose kinematics must be up to date."""
         self._lights.update(data)
         self._renderables.update(data)
-        for renderable in self._shadowless:  # the update forgets it
+        for renderable in self._shadowless:  # the update has reset this flag
             renderable.set_cast_shadow(False)
 
     def luminance(self, pose: Pose, rectangle: Rectangle, *, supersample: int = 2) -> Luminance:
-        """Anti-aliased luminance of a rectangle of the image.
+        """Render the anti-aliased luminance of a rectangle of the image.
 
-        Each value is the mean over the pixel's whole area, behind the lens's blur.
+        Each value is the mean over the area of the pixel, after the blur of the lens.
 
         Args:
-            pose: the camera's.
-            rectangle: which pixels.
-            supersample: rendered pixels per sensor pixel along each axis.
+            pose: pose of the camera.
+            rectangle: pixels to render.
+            supersample: rendered pixels per sensor pixel and axis.
 
         Returns:
             (y1 - y0, x1 - x0) float32 [cd/m²].
         """
-        outer = self._grown(rectangle)
-        pixels = to_pixels(self.fine(pose, outer, supersample), supersample)
+        outer = self._with_blur_margin(rectangle)
+        pixels = to_pixels(self.subpixel_luminance(pose, outer, supersample), supersample)
         x, y = rectangle[0] - outer[0], rectangle[1] - outer[1]
         inner = pixels[y : y + rectangle[3] - rectangle[1], x : x + rectangle[2] - rectangle[0]]
         return np.ascontiguousarray(inner)
 
-    def fine(
+    def subpixel_luminance(
         self, pose: Pose, rectangle: Rectangle, supersample: int, *, shadows: bool = True
     ) -> Luminance:
-        """Luminance at the fine points of a rectangle of the image, as drawn, not filtered.
+        """Render the luminance on the sub-pixel grid of a rectangle of the image, unfiltered.
 
         Args:
-            pose: the camera's.
-            rectangle: which pixels.
-            supersample: points per pixel and axis.
-            shadows: whether there are any.
+            pose: pose of the camera.
+            rectangle: pixels to render.
+            supersample: grid points per pixel and axis.
+            shadows: True to render shadows.
 
         Returns:
             ((y1 - y0) · supersample, (x1 - x0) · supersample) float32 [cd/m²].
         """
         grey = mjrf.PixelFormat.PIXEL_FORMAT_R32F
-        fine = self._draw(pose, rectangle, supersample, grey, shadows=shadows)
-        return np.asarray(fine / np.float32(EXPOSURE), np.float32)
+        exposed = self._render(pose, rectangle, supersample, grey, shadows=shadows)
+        return np.asarray(exposed / np.float32(EXPOSURE), np.float32)
 
     @contextmanager
     def hidden(self, geoms: Iterable[int]) -> Iterator[None]:
-        """Take geoms, and the shadows they cast, out of the picture for a while."""
+        """Leave geoms and their shadows out of every image rendered inside the with block."""
         renderables = [self._renderable(geom) for geom in geoms]
         for renderable in renderables:
             self._scene.remove_renderable(renderable)
@@ -148,12 +152,16 @@ class FilamentRenderer:
         return self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, geom, -1)
 
     def segmentation(self, pose: Pose, rectangle: Rectangle) -> npt.NDArray[np.int32]:
-        """Which geom each pixel's middle shows.
+        """Render the number of the geom that the middle of each pixel shows.
+
+        Args:
+            pose: pose of the camera.
+            rectangle: pixels to render.
 
         Returns:
-            (y1 - y0, x1 - x0) int32 of geom numbers, -1 for none.
+            (y1 - y0, x1 - x0) int32 geom numbers, -1 for none.
         """
-        rgb = self._draw(
+        rgb = self._render(
             pose,
             rectangle,
             1,
@@ -163,25 +171,26 @@ class FilamentRenderer:
         return rgb[..., 0] + 256 * rgb[..., 1] + 65536 * rgb[..., 2] - 1
 
     def preview(self, pose: Pose, *, scale: float = 2) -> npt.NDArray[np.uint8]:
-        """A tone-mapped picture for the eye: (height·scale, width·scale, 3) uint8 sRGB."""
-        whole = (0, 0, self.intrinsics.width, self.intrinsics.height)
+        """Render a tone-mapped colour image: (height·scale, width·scale, 3) uint8 sRGB."""
         rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
-        return self._draw(pose, whole, scale, rgb, post_processing=True)
+        return self._render(pose, whole(self.intrinsics), scale, rgb, post_processing=True)
 
-    def _grown(self, rectangle: Rectangle) -> Rectangle:
-        m, i = REACH_PX, self.intrinsics
+    def _with_blur_margin(self, rectangle: Rectangle) -> Rectangle:
+        m, i = BLUR_REACH_PX, self.intrinsics
         x0, y0, x1, y1 = rectangle
         return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
 
-    def _draw(
+    def _render(
         self, pose: Pose, rectangle: Rectangle, scale: float, pixel_format: Any, **options: Any
     ) -> npt.NDArray[Any]:
         height = round((rectangle[3] - rectangle[1]) * scale)
         width = round((rectangle[2] - rectangle[0]) * scale)
-        colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
-        image = np.empty((height, width, 3) if colour else (height, width), _DTYPE[colour])
-        if not colour:
-            image[0, 0] = np.nan  # still there if no frame comes
+        is_colour = pixel_format == mjrf.PixelFormat.PIXEL_FORMAT_RGB8
+        if is_colour:
+            image: npt.NDArray[Any] = np.empty((height, width, 3), np.uint8)
+        else:
+            image = np.empty((height, width), np.float32)
+            image[0, 0] = np.nan  # remains NaN if the device delivers no frame
         target = self._target(pixel_format, bool(options.get("post_processing")))
         target.resize(width, height)
         read = mjrf.ReadRequest(target=target)
@@ -190,9 +199,9 @@ class FilamentRenderer:
         try:
             self._context.wait_for_frame(self._context.render([request], [read]))
         except RuntimeError as error:
-            raise RendererError(_LOST) from error
-        if not colour and np.isnan(image[0, 0]):
-            raise RendererError(_LOST)
+            raise RendererError(_DEVICE_LOST) from error
+        if not is_colour and np.isnan(image[0, 0]):
+            raise RendererError(_DEVICE_LOST)
         return image
 
     def _target(self, pixel_format: Any, post_processing: bool) -> Any:
@@ -219,10 +228,9 @@ class FilamentRenderer:
         return request
 
 
-_DTYPE = {True: np.uint8, False: np.float32}
-_LOST = (
-    "the Vulkan device gave no frame and seems to be lost; allowed is a device that answers; run "
-    "it again, and if it happens again see what `flybench doctor` says of its driver"
+_DEVICE_LOST = (
+    "the Vulkan device delivered no frame and seems to be lost. Rendering needs a device that "
+    "responds. Run the command again; if it fails again, check the driver with `flybench doctor`."
 )
 
 

@@ -1,7 +1,9 @@
-"""Memory that is given back: what is drawn once is large, and would leave gaps that add up.
+"""Return of freed memory to the operating system.
 
-The C library takes large blocks from the system one by one and gives them back when they are freed,
-but by itself raises its idea of what is large to 32 MB as it goes, and so keeps what start-up used.
+Rendering a sequence allocates large arrays once. If the C library keeps them after they are freed,
+the peak memory of the process grows. By default, glibc returns a block at once only if it is larger
+than a threshold, and raises that threshold to 32 MB while the program runs. It then keeps the
+memory that start-up has used.
 """
 
 from __future__ import annotations
@@ -10,37 +12,38 @@ import ctypes
 from collections.abc import Callable
 
 LARGE_BYTES = 4 * 1024**2
-"""More than an array that is made for every sample, and less than most that are made for a
-sequence; of `flybench run` by night, the peak falls from 1,056 to 932 MB (measured)."""
+"""Blocks above this size are returned when they are freed. Larger than an array that is made for
+every sample, and smaller than most that are made once a sequence. It lowers the peak of `flybench
+run` at night from 1,056 to 932 MB (measured)."""
 SPARE_BYTES = 16 * 1024**2
-"""What is kept for the next sample (assumed)."""
+"""Free memory that is kept for the next sample (assumed)."""
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
-"""glibc's numbers for what `mallopt` sets, from its `malloc.h`."""
+"""Parameter numbers of `mallopt`, from glibc's `malloc.h`."""
 
 
 def return_large_blocks() -> bool:
-    """Have freed memory go back to the system, in this process from now on.
+    """Make the C library return large freed blocks at once, in this process from now on.
 
     Returns:
-        Whether the C library knows how; elsewhere than with glibc, all stays as it is.
+        True if the C library supports this; without glibc, nothing changes.
     """
-    mallopt = _of_glibc("mallopt")
+    mallopt = _glibc_function("mallopt")
     if mallopt is None:
         return False
-    set_ = mallopt(_MMAP_THRESHOLD, LARGE_BYTES), mallopt(_TRIM_THRESHOLD, SPARE_BYTES)
-    return all(set_)
+    succeeded = mallopt(_MMAP_THRESHOLD, LARGE_BYTES), mallopt(_TRIM_THRESHOLD, SPARE_BYTES)
+    return all(succeeded)
 
 
 def return_free_memory() -> None:
-    """Have small blocks that are free go back to the system too, now; elsewhere do nothing.
+    """Return small free blocks to the system now; without glibc, do nothing.
 
-    A renderer that is closed leaves some 100 MB of them between others (measured).
+    A closed renderer leaves some 100 MB of them between blocks in use (measured).
     """
-    if trim := _of_glibc("malloc_trim"):
+    if trim := _glibc_function("malloc_trim"):
         trim(0)
 
 
-def _of_glibc(name: str) -> Callable[..., int] | None:
+def _glibc_function(name: str) -> Callable[..., int] | None:
     try:
         function: Callable[..., int] = getattr(ctypes.CDLL(None), name)
     except (OSError, TypeError, AttributeError):

@@ -1,4 +1,4 @@
-"""A model without colour: every one replaced by the grey of the same luminance."""
+"""Conversion of a model's colours to greys of the same luminance."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ import numpy.typing as npt
 from sim.scene import srgb
 from sim.scene.lighting import LUMINANCE_OF_RGB, relative_luminance
 
-_COLOUR_CODE = "filament.material.base_color_type"
+_COLOUR_TYPE = "filament.material.base_color_type"
 
 
 def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
-    """A copy of `model` in which every colour is the grey of the same luminance.
+    """Return a copy of a model in which every colour is the grey of the same luminance.
 
-    As the renderer does, colours of materials and geoms are taken as sRGB unless the model says
-    that they are linear, and textures as linear unless their colour space is sRGB.
+    Colours are read as the renderer reads them: those of materials and geoms are sRGB unless the
+    model states that they are linear; textures are linear unless their colour space is sRGB.
     """
     grey = copy.copy(model)
-    coded = not _is_linear(model)
+    is_srgb = not _has_linear_colours(model)
     for rgba in (grey.mat_rgba, grey.geom_rgba):
-        rgba[:, :3] = _grey(rgba[:, :3], coded)
+        rgba[:, :3] = _grey(rgba[:, :3], is_srgb)
     for k in range(grey.ntex):
         if grey.tex_nchannel[k] >= 3:
             texels = _texels(grey, k)[:, :3]
-            coded = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
-            texels[:] = np.rint(255 * _grey(texels / 255, coded)).astype(np.uint8)
-    for diffuse in grey.light_diffuse:  # which scales its intensity
+            is_srgb = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
+            texels[:] = np.rint(255 * _grey(texels / 255, is_srgb)).astype(np.uint8)
+    for diffuse in grey.light_diffuse:  # a light's diffuse colour scales its intensity
         diffuse[:] = relative_luminance(diffuse)
     return grey
 
 
-def _grey(colours: npt.NDArray[Any], coded: bool) -> npt.NDArray[np.float64]:
-    """(n, 1) greys of the same luminance as (n, 3) colours, in the same code."""
-    linear = srgb.decoded(colours) if coded else np.asarray(colours, np.float64)
+def _grey(colours: npt.NDArray[Any], is_srgb: bool) -> npt.NDArray[np.float64]:
+    """(n, 1) greys of the same luminance as (n, 3) colours, in the colours' encoding."""
+    linear = srgb.decoded(colours) if is_srgb else np.asarray(colours, np.float64)
     grey = linear @ LUMINANCE_OF_RGB
-    return np.asarray(srgb.encoded(grey) if coded else grey)[:, None]
+    return np.asarray(srgb.encoded(grey) if is_srgb else grey)[:, None]
 
 
-def _is_linear(model: mujoco.MjModel) -> bool:
-    """Whether the model says that its colours are linear."""
-    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _COLOUR_CODE)
+def _has_linear_colours(model: mujoco.MjModel) -> bool:
+    """True if the model states that its colours are linear."""
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _COLOUR_TYPE)
     if number < 0:
         return False
     start, size = int(model.text_adr[number]), int(model.text_size[number])
@@ -52,7 +52,7 @@ def _is_linear(model: mujoco.MjModel) -> bool:
 
 
 def _texels(model: mujoco.MjModel, texture: int) -> npt.NDArray[np.uint8]:
-    """(n, channels) view on a texture's pixels."""
+    """(n, channels) view of a texture's pixels."""
     start, channels = int(model.tex_adr[texture]), int(model.tex_nchannel[texture])
     count = int(model.tex_height[texture]) * int(model.tex_width[texture]) * channels
     texels: npt.NDArray[np.uint8] = model.tex_data[start : start + count].reshape(-1, channels)

@@ -1,4 +1,4 @@
-"""Quiet around a library that talks to the terminal."""
+"""Suppression of terminal output from C++ libraries."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def suppress_output() -> Iterator[None]:
-    """Keep Filament's chatter, which C++ writes to both streams, off the terminal."""
+    """Discard what Filament's C++ code writes to the standard output and error streams."""
     saved = os.dup(1), os.dup(2)
     with tempfile.TemporaryFile() as sink:
         os.dup2(sink.fileno(), 1)

@@ -1,6 +1,7 @@
-"""Which Vulkan devices this machine has, asked of the loader itself.
+"""List of this machine's Vulkan devices, read from the Vulkan loader.
 
-Filament ends the whole process where it finds no device, so this is asked first.
+Filament aborts the whole process if it finds no device, so flybench checks before it starts
+Filament.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ _VULKAN_1_1 = 1 << 22 | 1 << 12
 
 @dataclass(frozen=True)
 class VulkanDevice:
-    """A physical device.
+    """A physical Vulkan device.
 
     Attributes:
-        name: of the device.
+        name: name of the device.
         driver: name and version of its driver.
-        is_software: whether it is a processor that draws in software.
+        is_software: True if the device is a CPU that renders in software.
     """
 
     name: str
@@ -60,7 +61,7 @@ class _DriverProperties(ctypes.Structure):
 
 
 class _DeviceProperties(ctypes.Structure):
-    """VkPhysicalDeviceProperties2, with limits and features left as bytes, and room to spare."""
+    """VkPhysicalDeviceProperties2; limits and features are unread bytes, with room to spare."""
 
     _fields_ = (
         ("sType", ctypes.c_int),
@@ -91,7 +92,7 @@ class _InstanceInfo(ctypes.Structure):
 
 
 def vulkan_devices() -> list[VulkanDevice]:
-    """All Vulkan devices; none where the loader or a driver is missing."""
+    """Return all Vulkan devices; none if the loader or a driver is missing."""
     name = ctypes.util.find_library("vulkan")
     if name is None:
         return []
@@ -110,18 +111,22 @@ def vulkan_devices() -> list[VulkanDevice]:
 
 
 def require_vulkan() -> bool:
-    """Make sure that something renders here, and tell whether only software does.
+    """Check that this machine has a Vulkan device.
+
+    Returns:
+        True if every device renders in software. Always False on other systems than Linux, where
+        devices are not checked.
 
     Raises:
-        RendererError: on Linux, no Vulkan device.
+        RendererError: this is Linux and there is no Vulkan device.
     """
     if not sys.platform.startswith("linux"):
         return False
     devices = vulkan_devices()
     if not devices:
         raise RendererError(
-            "found no Vulkan device; one is needed to render, a processor will do; install "
-            f"a driver with `sudo {INSTALL_COMMAND}` (Debian, Ubuntu)"
+            "found no Vulkan device. Rendering needs one; a software driver on the CPU is enough. "
+            f"Install a driver with `sudo {INSTALL_COMMAND}` (Debian, Ubuntu)."
         )
     return all(device.is_software for device in devices)
 

@@ -1,4 +1,4 @@
-"""Where the MJCF files, textures and meshes lie, and how they are opened."""
+"""The asset folder: MJCF files, textures and meshes."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ import mujoco
 from sim.errors import SceneConfigError
 
 ASSETS = Path(__file__).parents[1] / "assets"
+"""Folder of all assets."""
 
 
 def open_asset(name: str) -> mujoco.MjSpec:
-    """Open an MJCF file of `ASSETS`, its textures and meshes included.
+    """Open an MJCF file from `ASSETS` with its textures and meshes.
 
     Raises:
-        SceneConfigError: it, or a file that it names, is missing or damaged.
+        SceneConfigError: the file, or a file that it names, is missing or damaged.
     """
     path = ASSETS / name
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, FileNotFoundError) as error:
         raise SceneConfigError(
-            f"cannot open {path}: {_first_line(error)}; install flybench again, or mend the file"
+            f"Cannot open {path}: {_first_line(error)}. Install flybench again, or repair the file."
         ) from error
     for item in (*spec.textures, *spec.meshes):
         if item.file and not (ASSETS / item.file).is_file():

@@ -1,7 +1,7 @@
-"""Houses along the far side of the street, drawn from a seed: no two alike.
+"""Houses along the far side of the street, generated from a seed.
 
-Sizes are in metres and, like the chances of what is drawn, assumed: two- and three-storeyed houses
-of a European town.
+They are the two- and three-storey houses of a European town. Sizes are in metres. Sizes and
+probabilities are assumed.
 """
 
 from __future__ import annotations
@@ -32,24 +32,25 @@ from sim.scene.facade_style import (
 )
 
 FRONT_M = 10.5
-"""The façades' plane, in the world's y (assumed)."""
+"""World y of the plane of the façades [m] (assumed)."""
 PAVEMENT_M = 0.12
-"""The far pavement's surface, over the road, as `street.xml` has it."""
+"""Height of the far pavement above the road, as in `street.xml` [m]."""
 STREET_END_M = 27.0
-"""Houses stand from here to there, so that a lens of 100° still sees no end (assumed)."""
+"""Houses stand from −27 to +27 m along the road, so that even a lens of 100° sees no end of the row
+(assumed)."""
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
 
 
 class FacadeBuilder:
-    """Adds the houses of one street to a model."""
+    """Builder of the houses of one street."""
 
     def __init__(self, spec: mujoco.MjSpec, seed: int, *, lit: bool) -> None:
-        """Prepare.
+        """Make a builder.
 
         Args:
-            spec: with the textures "brick" and "plaster", and the materials that `street.xml` has.
-            seed: of everything drawn.
-            lit: whether it is dark, so that windows are lit.
+            spec: model with the textures "brick" and "plaster" and the materials of `street.xml`.
+            seed: seed of everything that is drawn at random.
+            lit: True if windows are lit.
         """
         self._spec = spec
         self._rng = np.random.default_rng([seed, 0])
@@ -58,7 +59,7 @@ class FacadeBuilder:
             self._lit_pane(name, luminance)
 
     def build(self) -> None:
-        """Add all houses, from the left end of the street to the right one."""
+        """Add all houses, from the left end of the street to the right."""
         walls = self._rng.permutation(len(WALLS))
         left, number = -STREET_END_M, 0
         while left < STREET_END_M:
@@ -67,7 +68,7 @@ class FacadeBuilder:
             left, number = left + width, number + 1
 
     def _lit_pane(self, name: str, luminance: float) -> None:
-        """A material of dark glass that glows in a colour."""
+        """Add a material of dark glass that glows in one colour."""
         colour = LIT_RGB[name]
         texture = f"glow_{name}"
         self._spec.add_texture(
@@ -89,7 +90,7 @@ class FacadeBuilder:
         height = 0.5 + storeys * storey_m
         material = self._wall(number, wall)
         middle, back = left + width / 2, float(rng.uniform(0, 0.004))
-        # Neighbours' party walls would share a plane, so each house is a little narrower.
+        # Walls of neighbours would share a plane, so each house is a little narrower than its plot.
         half = width / 2 - 0.004
         self._box([half, 2, height / 2], [middle, FRONT_M + 2 + back, height / 2], material)
         self._roof(middle, half, height)
@@ -139,7 +140,7 @@ class FacadeBuilder:
             self._flat([0.028, 0.03, h - 0.087], [x + across, y - 0.035, z], trim)
         if style.crossed:
             self._flat([w - 0.086, 0.03, 0.025], [x, y - 0.033, z + 0.3 * h], trim)
-        if (share := float(self._rng.uniform(-0.9, 0.8))) > 0:  # a blind, half of the windows
+        if (share := float(self._rng.uniform(-0.9, 0.8))) > 0:  # half of the windows have a blind
             drop = share * (h - 0.09)
             self._flat([w - 0.1, 0.03, drop], [x, y - 0.025, z + h - 0.088 - drop], "blind")
         if style.shutters:
@@ -159,7 +160,7 @@ class FacadeBuilder:
     def _ground_floor(
         self, left: float, width: float, storey_m: float, style: Style, trim: str
     ) -> None:
-        """A door at one end, and windows beside."""
+        """Add a door at one end and windows beside it."""
         at_left = self._rng.uniform() < 0.5
         x = left + (1.0 if at_left else width - 1.0)
         self._door(x)
@@ -174,7 +175,7 @@ class FacadeBuilder:
         self._flat([0.36, 0.05, 0.14], [x, FRONT_M - 0.034, z + 0.85], self._pane())
 
     def _shop(self, number: int, left: float, width: float, storey_m: float) -> None:
-        """A window from wall to wall, mullions, a sign, perhaps an awning, and a door."""
+        """Add a wide shop window with mullions, a sign, a door and sometimes an awning."""
         half, x = width / 2 - 1.1, left + width / 2 - 0.7
         y, z = FRONT_M - 0.03, PAVEMENT_M + 1.3
         self._flat([half, 0.04, 1.0], [x, y, z], self._pane())
@@ -212,7 +213,7 @@ class FacadeBuilder:
         flat: bool = False,
         slope_rad: float = 0.0,
     ) -> None:
-        """A box of half sizes, turned about the street's axis; a flat one casts no shadow."""
+        """Add a box with given half sizes, turned about the x axis. A flat box casts no shadow."""
         self._spec.worldbody.add_geom(
             type=_BOX,
             size=size,

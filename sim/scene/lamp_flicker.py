@@ -1,4 +1,4 @@
-"""Lamps on the mains: turned down and up again, together."""
+"""Flickering lamps: lamps on the mains, which are dimmed together."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Numbers = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class FlickeringLamps:
-    """What hangs on the mains.
+    """Lamps on the mains.
 
     Attributes:
-        lights: (n,) numbers of lights.
-        materials: (m,) numbers of materials that glow with them.
+        lights: (n,) numbers of the lights.
+        materials: (m,) numbers of the materials that glow with them.
     """
 
     lights: Numbers
@@ -29,10 +29,10 @@ class FlickeringLamps:
 
     @contextmanager
     def scaled(self, model: mujoco.MjModel, factor: float) -> Iterator[None]:
-        """Multiply their light for a while; a renderer learns of it at its next update."""
+        """Multiply their output while the block runs; a renderer sees it after its next update."""
         emission = model.mat_emission.copy()
         model.mat_emission[self.materials] *= factor
-        # Filament takes an emission of 0 as none given.
+        # Filament reads an emission of 0 as "no emission given".
         model.mat_emission[self.materials] += OFF_EMISSION
         dimmed = {int(k): float(factor * model.light_intensity[k]) for k in self.lights}
         try:
@@ -44,11 +44,11 @@ class FlickeringLamps:
 
 @contextmanager
 def changed_lights(model: mujoco.MjModel, intensities: dict[int, float]) -> Iterator[None]:
-    """Give lights other intensities for a while; a renderer learns of it at its next update.
+    """Change intensities of lights while the block runs; a renderer sees it after its next update.
 
     Args:
-        model: whose lights.
-        intensities: by the light's number; [lux], [cd] or [cd/m²] as its type has it.
+        model: the model, which is restored afterwards.
+        intensities: intensity by number of the light; [lux], [cd] or [cd/m²] as its type says.
     """
     before = model.light_intensity.copy()
     for light, intensity in intensities.items():
@@ -60,5 +60,5 @@ def changed_lights(model: mujoco.MjModel, intensities: dict[int, float]) -> Iter
 
 
 def sky_lights(model: mujoco.MjModel) -> Numbers:
-    """(n,) numbers of the lights that come from all around."""
+    """Return the (n,) numbers of the image lights, which light from all directions."""
     return np.flatnonzero(model.light_type == mujoco.mjtLightType.mjLIGHT_IMAGE)

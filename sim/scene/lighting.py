@@ -1,7 +1,7 @@
-"""What lights the scene, in photometric units: sun and sky, street lamps, vehicle lamps.
+"""The lights of the scene in photometric units: sun and sky, street lamps, vehicle lamps.
 
-Luminance-only: every source is white. A directional light is given in lux, a spot light in
-candela, the sky in cd/m².
+Only luminance matters, so every source is white. A directional light is given in lux, a spot light
+in candela, the sky in cd/m².
 """
 
 from __future__ import annotations
@@ -18,66 +18,71 @@ from sim.config import CrossingConfig, Lighting
 from sim.errors import SceneConfigError
 
 SKY_SHARE = 0.25
-"""Part of a clear day's horizontal illuminance that comes from the sky, not the sun (assumed)."""
+"""Share of the horizontal illuminance of a clear day that comes from the sky (assumed)."""
 NIGHT_SKY_CD_M2 = 0.01
-"""Zenith over a lit city; a dark site has 0.0002 (assumed)."""
+"""Luminance of the zenith over a lit city [cd/m²] (assumed); a dark site has 0.0002."""
 
 LAMP_CUTOFF_DEG, LAMP_SOFTNESS = 75.0, 0.3
-"""A street lamp's cone, and the outer part of it over which its light fades (assumed)."""
-LAMP_RANGE_M = 60.0
-"""Where Filament lets a lamp's light end: far beyond what is in view (assumed)."""
-BEAM_SOFTNESS = 0.8
-"""Part of a beam, from its rim inwards, over which its light fades (assumed)."""
-HOT_CD, HOT_CUTOFF_DEG, HOT_DIP = 10_000.0, 5.0, math.tan(math.radians(5.5))
-"""The middle of a dipped beam, one a lamp: candela, cone, and slope below the horizontal, so steep
-that nothing above the lamp is lit (assumed; UNECE R112 allows a passing beam 44 kcd at most)."""
-SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(16.5))
-"""Its spread to the sides and the near road, a lamp; all of a vehicle's shines from their middle
+"""Half angle of a street lamp's cone, and the outer share of it over which the light fades
 (assumed)."""
+LAMP_RANGE_M = 60.0
+"""Distance at which Filament lets the light of a lamp end, far out of view [m] (assumed)."""
+BEAM_SOFTNESS = 0.8
+"""Share of a beam, from its rim inwards, over which the light fades (assumed)."""
+HOT_CD, HOT_CUTOFF_DEG, HOT_DIP = 10_000.0, 5.0, math.tan(math.radians(5.5))
+"""Centre of a dipped beam, one per lamp: intensity, half angle of the cone, and slope below the
+horizontal, so steep that nothing above the lamp is lit (assumed; UNECE R112 allows a passing beam
+at most 44 kcd)."""
+SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(16.5))
+"""Wide part of a dipped beam, per lamp: intensity, half angle and slope. The wide parts of all
+lamps of a vehicle shine from the middle between them (assumed)."""
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
-"""Luminance of the lenses as seen from the side (assumed)."""
+"""Luminance of the lenses seen from the side (assumed)."""
 OFF_EMISSION = 1e-12
-"""Of what does not glow, where the renderer takes 0 as none given (assumed: far below all that
-glows)."""
+"""Emission of materials that do not glow. The renderer reads 0 as "no emission given" (assumed: far
+below that of anything that glows)."""
 TAIL_LAMP_RGB = (1.0, 0.1, 0.05)
-"""Linear colour of the tail lamps' emissive texture (by eye)."""
+"""Linear colour of the emissive texture of tail lamps (by eye)."""
 
 EMISSION_CD_M2 = 0.3 / 2.604e-5
-"""Luminance of a material of emission 1: Filament's multiplier over its exposure (measured)."""
+"""Luminance of a material with emission 1 [cd/m²]: Filament's factor over its exposure
+(measured)."""
 
 SKY_TEXTURE = "sky"
-"""Name of the sky's texture."""
+"""Name of the texture of the sky."""
 LAMP_LENS = "mains_lamp_lens"
-"""Material of the street lamps' lenses; the names of all that is on the mains begin alike."""
+"""Material of the lenses of street lamps. Names of all materials on the mains begin with
+"mains_"."""
 DUSK_LAMPS_LUX = 10.0
-"""What the street lamps add to the sky's light at dusk: as at night (assumed)."""
+"""Illuminance that street lamps add to that of the sky at dusk, as at night [lux] (assumed)."""
 LUMINANCE_OF_RGB = np.array([0.2126, 0.7152, 0.0722])
-"""Of linear primaries (Rec. 709)."""
+"""Luminance of the linear primaries (Rec. 709)."""
 WHITE = (1.0, 1.0, 1.0)
-"""A light's colour scales its intensity, and MuJoCo's default is a grey of 0.7."""
+"""Colour of all lights: it scales their intensity, and MuJoCo's default is a grey of 0.7."""
 
 
 @dataclass(frozen=True)
 class Flicker:
-    """Light of lamps on alternating current: a sinusoid about its mean.
+    """Flicker of lamps on alternating current: a sinusoid about the mean.
 
     Attributes:
-        rate_hz: twice the mains' frequency [Hz].
-        depth: (max - min) / (max + min).
+        rate_hz: twice the frequency of the mains [Hz].
+        depth: (max − min) / (max + min).
     """
 
     rate_hz: float
     depth: float
 
     def factor(self, t_s: float) -> float:
-        """Luminous flux at a time [s], relative to its mean."""
+        """Return the luminous flux at a time [s], relative to its mean."""
         return 1.0 + self.depth * math.cos(2 * math.pi * self.rate_hz * t_s)
 
 
 def add_light(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
-    """Add what lights the street, so that the road gets the illuminance asked for.
+    """Add the lights of the street, so that the road gets the configured illuminance.
 
-    By day sun and sky; at night street lamps; at dusk the sky and, up to half of all, the lamps.
+    By day these are sun and sky, at night the street lamps, and at dusk the sky and the street
+    lamps, which give at most half of the illuminance.
     """
     lux = config.illuminance
     if config.lighting is Lighting.DAY:
@@ -96,8 +101,8 @@ def add_day(spec: mujoco.MjSpec, illuminance_lux: float, to_sun: npt.NDArray[np.
     """Add sun and uniform sky that together give `illuminance_lux` on open level ground.
 
     Args:
-        spec: the scene.
-        illuminance_lux: wanted [lux].
+        spec: model of the scene.
+        illuminance_lux: illuminance [lux].
         to_sun: (3,) unit vector from the ground to the sun.
     """
     sun_lux = illuminance_lux * (1 - SKY_SHARE) / float(to_sun[2])
@@ -121,10 +126,10 @@ def add_night(
     """Add street lamps that together give `illuminance_lux` on the road at the origin, and a sky.
 
     Args:
-        spec: the scene.
-        illuminance_lux: wanted [lux].
-        lamps_m: (n, 3) positions [m]; each shines straight down.
-        sky_cd_m2: luminance of the sky.
+        spec: model of the scene.
+        illuminance_lux: illuminance [lux].
+        lamps_m: (n, 3) positions of the lamps, which shine straight down [m].
+        sky_cd_m2: luminance of the sky [cd/m²].
     """
     sky_lux = math.pi * sky_cd_m2
     candela = max(illuminance_lux - sky_lux, 0.0) / unit_illuminance(lamps_m)
@@ -148,8 +153,8 @@ def add_head_lamps(body: mujoco.MjsBody, positions_m: npt.NDArray[np.float64]) -
     """Add a vehicle's dipped beams, which move with `body` and shine along its x axis.
 
     Args:
-        body: the vehicle's.
-        positions_m: (n, 3) of its head lamps, in the body's frame.
+        body: root body of the vehicle.
+        positions_m: (n, 3) positions of its headlamps in the frame of the body [m].
     """
     for k, position in enumerate(positions_m):
         _add_beam(body, f"head_lamp_{k}", position, HOT_CD, HOT_CUTOFF_DEG, HOT_DIP)
@@ -181,11 +186,11 @@ def _add_beam(
 
 
 def sun_direction(azimuth_deg: float, elevation_deg: float) -> npt.NDArray[np.float64]:
-    """(3,) unit vector from the ground to the sun.
+    """Return the (3,) unit vector from the ground to the sun.
 
     Args:
-        azimuth_deg: 0 is the world's y, away from the camera, positive to the right.
-        elevation_deg: over the horizon.
+        azimuth_deg: azimuth; 0 is the world's y, away from the camera, positive to the right [deg].
+        elevation_deg: elevation above the horizon [deg].
     """
     azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
     level = math.cos(elevation)
@@ -193,10 +198,10 @@ def sun_direction(azimuth_deg: float, elevation_deg: float) -> npt.NDArray[np.fl
 
 
 def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:
-    """Horizontal illuminance at the origin of lamps of one candela each [lux]: Σ cos³θ / h².
+    """Return the horizontal illuminance at the origin, Σ cos³θ / h², of lamps of one candela [lux].
 
     Raises:
-        SceneConfigError: a lamp lights the origin with the rim of its cone, where light fades.
+        SceneConfigError: a lamp lights the origin with the rim of its cone, where its light fades.
     """
     height, reach = lamps_m[:, 2], np.linalg.norm(lamps_m, axis=1)
     cosine = height / reach
@@ -204,9 +209,9 @@ def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:
     full = angle_deg <= LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS)
     if (fading := ~full & (angle_deg < LAMP_CUTOFF_DEG)).any():
         raise SceneConfigError(
-            f"a street lamp at {lamps_m[fading][0].tolist()} m lights the origin with the fading "
-            f"rim of its cone; allowed is up to {LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS):g}° from "
-            f"straight down, or beyond {LAMP_CUTOFF_DEG:g}°; move the lamp"
+            f"A street lamp at {lamps_m[fading][0].tolist()} m lights the origin with the fading "
+            f"rim of its cone. Allowed is up to {LAMP_CUTOFF_DEG * (1 - LAMP_SOFTNESS):g}° from "
+            f"straight down, or beyond {LAMP_CUTOFF_DEG:g}°. Move the lamp."
         )
     return float(np.sum(full * cosine**3 / height**2))
 
@@ -214,20 +219,20 @@ def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:
 def set_luminance(
     material: mujoco.MjsMaterial, luminance_cd_m2: float, glow: Sequence[float] = WHITE
 ) -> None:
-    """Make a material glow, besides what it reflects.
+    """Give a material a luminance of its own, in addition to what it reflects.
 
     Args:
-        material: whose own colour plays no part.
-        luminance_cd_m2: wanted [cd/m²].
-        glow: linear colour of the material's emissive texture; white where it has none.
+        material: the material; its colour has no influence.
+        luminance_cd_m2: luminance [cd/m²].
+        glow: linear colour of the emissive texture; white if there is none.
     """
-    # Where a material has an emissive texture, Filament takes an emission of 0 as none given.
+    # With an emissive texture, Filament reads an emission of 0 as "no emission given".
     emission = luminance_cd_m2 / EMISSION_CD_M2 / relative_luminance(glow)
     material.emission = max(emission, OFF_EMISSION)
 
 
 def relative_luminance(rgba: npt.ArrayLike) -> float:
-    """Luminance of a linear colour relative to white (Rec. 709 primaries)."""
+    """Return the luminance of a linear colour relative to white (Rec. 709 primaries)."""
     return float(np.asarray(rgba)[:3] @ LUMINANCE_OF_RGB)
 
 

@@ -1,4 +1,4 @@
-"""The things that move in a scene, by name: which bodies, geoms and lamps are theirs."""
+"""Moving objects of a scene: their bodies, geoms and lamps."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ import numpy.typing as npt
 
 F64 = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
-PEDESTRIAN, TREE = "pedestrian", "tree"
-"""Kinds of what moves and is no vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
 class MovingObject:
-    """A thing that moves, made of rigid bodies on joints; numbers are the model's.
+    """A moving object made of rigid bodies on joints. Numbers index the model's arrays.
 
     Attributes:
         name: "target", "far_vehicle", "pedestrian", "tree_0" and so on.
         kind: "sedan", "van", "motorcycle", "pedestrian" or "tree".
-        root: the body that all the others hang from.
-        bodies: (n,) all its bodies, the root first.
-        geoms: (m,) all their geoms.
-        box_m: (2, 3) lowest and highest corner, in the root's frame, of a box that holds the
-            object however its limbs swing, its wheels turn or its boughs sway.
-        lamps: (k,) lights that move with it.
+        root: number of the root body.
+        bodies: (n,) numbers of all its bodies, the root first.
+        geoms: (m,) numbers of all their geoms.
+        box_m: (2, 3) lowest and highest corner, in the frame of the root, of a box that holds the
+            object for every position of its limbs, wheels and boughs [m].
+        lamps: (k,) numbers of the lamps that move with it.
+        has_limbs: True if parts swing or sway while the root hardly moves.
+        has_wheels: True if all bodies except the root turn about fixed axles.
     """
 
     name: str
@@ -38,9 +38,15 @@ class MovingObject:
     geoms: Numbers
     box_m: F64
     lamps: Numbers
+    has_limbs: bool = False
+    has_wheels: bool = False
 
     def corners_m(self, data: mujoco.MjData) -> F64:
-        """(8, 3) world corners of its box, the kinematics of `data` up to date."""
+        """Return the (8, 3) world corners of its box [m].
+
+        Args:
+            data: state of the model, with up-to-date kinematics.
+        """
         turned = self._corners_m @ data.xmat[self.root].reshape(3, 3).T
         return np.asarray(turned + data.xpos[self.root])
 
@@ -50,16 +56,25 @@ class MovingObject:
 
 
 def moving_object(
-    model: mujoco.MjModel, name: str, kind: str, root: int, *, excursion_m: float = 0.0
+    model: mujoco.MjModel,
+    name: str,
+    kind: str,
+    root: int,
+    *,
+    excursion_m: float = 0.0,
+    has_limbs: bool = False,
+    has_wheels: bool = False,
 ) -> MovingObject:
-    """What hangs from the body `root`.
+    """Return the moving object whose root body is `root`.
 
     Args:
-        model: of the scene.
-        name: of the object.
-        kind: of the object.
+        model: model of the scene.
+        name: name of the object.
+        kind: kind of the object.
         root: number of its root body.
-        excursion_m: how far parts of it go beyond where they rest.
+        excursion_m: distance that parts move beyond their rest positions [m].
+        has_limbs: True if parts swing or sway.
+        has_wheels: True if all bodies except the root are wheels.
     """
     bodies = descendants(model, root)
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, bodies))
@@ -74,11 +89,13 @@ def moving_object(
         geoms=geoms,
         box_m=_box(model, data, root, geoms) + spare,
         lamps=np.flatnonzero(np.isin(model.light_bodyid, bodies)),
+        has_limbs=has_limbs and len(bodies) > 1,
+        has_wheels=has_wheels,
     )
 
 
 def descendants(model: mujoco.MjModel, root: int) -> Numbers:
-    """(n,) `root` and all bodies that hang from it; a body's number is above its parent's."""
+    """Return the (n,) numbers of `root` and all its descendants; a child's number is the larger."""
     found = {root}
     for body in range(root + 1, model.nbody):
         if int(model.body_parentid[body]) in found:
@@ -87,7 +104,7 @@ def descendants(model: mujoco.MjModel, root: int) -> Numbers:
 
 
 def box_corners_m(box_m: F64) -> F64:
-    """(8, 3) corners of a box given by its lowest and highest, (2, 3)."""
+    """Return the (8, 3) corners of a box from its lowest and highest corner, (2, 3)."""
     return np.array(np.meshgrid(*box_m.T)).reshape(3, -1).T
 
 
@@ -103,7 +120,10 @@ def _box(model: mujoco.MjModel, data: mujoco.MjData, root: int, geoms: Numbers) 
 
 
 def _extent(model: mujoco.MjModel, geom: int, axes: F64) -> tuple[F64, F64]:
-    """How far a geom whose axes are the columns of `axes` reaches from its middle, each way."""
+    """Return how far a geom reaches from its centre along each axis, in both directions [m].
+
+    The columns of `axes` are the axes of the geom.
+    """
     kind = mujoco.mjtGeom(model.geom_type[geom])
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         mesh = int(model.geom_dataid[geom])
@@ -115,7 +135,7 @@ def _extent(model: mujoco.MjModel, geom: int, axes: F64) -> tuple[F64, F64]:
 
 
 def _flat(height: F64) -> F64:
-    """Length of what a unit vector leaves in the plane across, of which `height` sticks out."""
+    """Return the length of a unit vector projected onto a plane, given its height above it."""
     return np.asarray(np.sqrt(np.clip(1 - height**2, 0, 1)))
 
 

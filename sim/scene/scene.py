@@ -1,4 +1,4 @@
-"""From a configuration to a MuJoCo model with its motion: street, vehicles, lights and camera."""
+"""The scene of a crossing: a compiled MuJoCo model, its moving objects and its camera."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from sim.motion.paths import Motion
 from sim.motion.trajectory import Trajectory
 from sim.scene import lighting as light
 from sim.scene.lighting import Flicker
-from sim.scene.movers import add_movers, heading, moving_things
+from sim.scene.movers import add_movers, find_movers, heading
 from sim.scene.moving_objects import MovingObject, box_corners_m
 from sim.scene.street import build_street
 from sim.scene.trees import Tree
 from sim.scene.vehicles import FLANK_M
 
 CAMERA_HEIGHT_M = 1.2
-"""Above the road, on a tripod (assumed)."""
+"""Height of the camera above the road, on a tripod [m] (assumed)."""
 
 _ROLL_RAD = {
     Direction.RIGHT: 0.0,
@@ -40,21 +40,22 @@ Numbers = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A model that can be placed at any time, and drawn.
+    """A scene whose state can be set for any time.
 
-    Times are seconds since the target's closest approach.
+    Times are seconds since the closest approach of the target.
 
     Attributes:
-        model: the colours as authored.
-        pose: the camera's, at rest.
-        config: what it was made from.
-        trajectory: the target's.
-        objects: what moves in this configuration, the target first.
-        motions: how each of `objects` does.
-        shake: how the camera does; None where it rests.
-        flicker: of the lamps on the mains; None where they don't.
-        flickering_lights: (k,) lights on the mains: the street lamps.
-        flickering_materials: (k,) materials that glow with them: their lenses, lit windows.
+        model: compiled model, with colours as authored.
+        pose: pose of the camera at rest.
+        config: configuration of the crossing.
+        trajectory: trajectory of the target.
+        objects: moving objects, the target first.
+        motions: motion of each of `objects`.
+        shake: rotation of the camera over time; None if the camera does not shake.
+        flicker: flicker of the lamps on the mains; None if they do not flicker.
+        flickering_lights: (k,) numbers of the lights on the mains: the street lamps.
+        flickering_materials: (k,) numbers of the materials that glow with them: lamp lenses and lit
+            windows.
     """
 
     model: mujoco.MjModel
@@ -70,22 +71,22 @@ class Scene:
 
     @property
     def target(self) -> MovingObject:
-        """The vehicle whose motion is to be detected."""
+        """The vehicle whose motion a detector should report."""
         return self.objects[0]
 
     @property
     def heading(self) -> int:
-        """+1 where the target drives along the world's x, -1 against it."""
+        """+1 if the target drives along the world's x, -1 if against it."""
         return heading(self.config.direction)
 
     def place(self, data: mujoco.MjData, t_s: float) -> None:
-        """Set every joint for a time [s], and work out where bodies and lights are."""
+        """Set every joint for a time [s] and compute the poses of bodies and lights."""
         for motion in self.motions:
             motion.place(data.qpos, t_s)
         self._update(data)
 
     def reach_m(self, item: MovingObject, half_view_rad: float) -> float:
-        """From this far off the middle of the street's view, an object's box is out of it [m]."""
+        """Return the distance along the road beyond which an object's box is out of view [m]."""
         (back, right, _), (front, left, _) = item.box_m
         depth_m = self._middle_depth_m(item) + float(max(-right, left))
         return depth_m * math.tan(half_view_rad) + float(max(-back, front))
@@ -98,22 +99,22 @@ class Scene:
         return self._middle_depth_m(item) - float(max(-right, left))
 
     def pose_at(self, t_s: float) -> Pose:
-        """The camera's at a time [s]."""
+        """Return the pose of the camera at a time [s]."""
         return self.pose if self.shake is None else self.shake.turned(self.pose, t_s)
 
     def flicker_factor(self, t_s: float) -> float:
-        """Luminous flux of the lamps on the mains at a time [s], relative to its mean."""
+        """Return the luminous flux of the flickering lamps at a time [s], relative to its mean."""
         return 1.0 if self.flicker is None else self.flicker.factor(t_s)
 
     def fastest_px_s(
         self, t_s: float, focal_px: float, among: Collection[str] | None = None
     ) -> float:
-        """A bound on how fast anything moves in the image near its middle [px/s].
+        """Return a bound on the image speed of anything near the middle of the image [px/s].
 
         Args:
-            t_s: when [s].
-            focal_px: of the lens.
-            among: names of the objects that count; None for all.
+            t_s: time [s].
+            focal_px: focal length of the lens [px].
+            among: names of the objects to include; None: all.
         """
         rates = [
             motion.fastest_m_s(t_s) / self._near_depth_m(item)
@@ -124,13 +125,13 @@ class Scene:
         return focal_px * (max(rates, default=0.0) + turning)
 
     def body_corners_m(self, position_m: float) -> F64:
-        """(8, 3) world corners of the box around the target at a way along its path."""
+        """Return the (8, 3) world corners of the target's box at a position along its path [m]."""
         return self._in_world(box_corners_m(self.target.box_m), position_m)
 
     def flank_m(self, position_m: float) -> F64:
-        """(4, 3) world corners of the target's near flank, a rectangle as long to front and back.
+        """Return the (4, 3) world corners of the near flank at a position along the path [m].
 
-        Its middle is where the target's origin is, along the road.
+        The flank is a rectangle that is centred on the target's origin along the road.
         """
         (back, _, low), (front, _, high) = self.target.box_m
         half = max(-back, front)
@@ -140,7 +141,7 @@ class Scene:
         return corners
 
     def _in_world(self, points_m: F64, position_m: float) -> F64:
-        """Points of the target's frame at a way along its path."""
+        """Transform points of the target's frame to the world, at a position along its path."""
         y_m = float(self.model.body_pos[self.target.root, 1])
         forward = np.array([self.heading, self.heading, 1.0])
         shift = np.array([self.heading * position_m, y_m, 0.0])
@@ -152,16 +153,16 @@ class Scene:
 
 
 def build_scene(config: CrossingConfig) -> Scene:
-    """Compose the scene that `config` asks for, and compile it.
+    """Build and compile the scene of a crossing.
 
     Raises:
-        SceneConfigError: a file is missing.
+        SceneConfigError: an asset file is missing.
     """
-    spec, trees = _composed(config)
+    spec, trees = _build_spec(config)
     model = spec.compile()
     pose = Pose(np.array([0.0, -(config.distance + FLANK_M), CAMERA_HEIGHT_M]))
     trajectory = Trajectory(config.omega_rad_s, config.distance, config.profile)
-    moving = moving_things(model, config, trajectory, trees)
+    moving = find_movers(model, config, trajectory, trees)
     extra = config.distractors
     return Scene(
         model=model,
@@ -181,12 +182,12 @@ def build_scene(config: CrossingConfig) -> Scene:
     )
 
 
-def compose(config: CrossingConfig) -> mujoco.MjSpec:
-    """Street, parked cars, vehicles and lights, not yet compiled."""
-    return _composed(config)[0]
+def build_spec(config: CrossingConfig) -> mujoco.MjSpec:
+    """Build the model of a scene (street, vehicles, lights) without compiling it."""
+    return _build_spec(config)[0]
 
 
-def _composed(config: CrossingConfig) -> tuple[mujoco.MjSpec, tuple[Tree, ...]]:
+def _build_spec(config: CrossingConfig) -> tuple[mujoco.MjSpec, tuple[Tree, ...]]:
     dark, windy = config.lighting is not Lighting.DAY, config.distractors.wind_grade > 0
     spec, trees = build_street(config.street_seed, dark=dark, windy=windy)
     add_movers(spec, config)

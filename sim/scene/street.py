@@ -1,6 +1,6 @@
 """The street: ground from `street.xml`; houses, trees, parked cars and furniture from a seed.
 
-Sizes and places are in metres and, where nothing else is said, assumed.
+Sizes and positions are in metres, and assumed unless a source is given.
 """
 
 from __future__ import annotations
@@ -17,36 +17,37 @@ from sim.scene.trees import Tree, add_tree
 from sim.scene.vehicles import add_parked, vehicle
 
 LAMP_X_M, LAMP_CLEARANCE_M = 2.6, 1.0
-"""Where the far street lamp stands, as `street.xml` has it, and how near to it nothing else does
-(assumed)."""
+"""Position of the far street lamp along the road, as in `street.xml`, and the distance that
+other things keep from it (assumed)."""
 PARKING_M, PARKED_END_M = 6.35, 10.5
-"""Middle of the parking lane, in the world's y, and up to where cars are put on it: what is beyond
-is out of view, and each costs time (assumed)."""
+"""World y of the middle of the parking lane, and the farthest position of a parked car along it.
+Cars beyond would be out of view and cost time (assumed)."""
 CAR_M = {VehicleKind.SEDAN: 4.6, VehicleKind.VAN: 5.1}
-"""Length of each vehicle, as its file has it."""
+"""Length of each vehicle, as in its MJCF file."""
 GAP_M = (0.8, 5.5)
-"""Between parked cars, least and most (assumed)."""
+"""Smallest and largest gap between parked cars (assumed)."""
 CAR_HUES = ((1.0, 1.0, 1.05), (2.2, 0.7, 0.5), (0.6, 0.9, 1.8), (0.8, 1.1, 0.8), (1.3, 1.0, 0.6))
-"""Linear colours of parked cars, to be scaled to their luminance (by eye)."""
+"""Linear colours of parked cars, before they are scaled to a luminance (by eye)."""
 KERB_TREES_M, TREES_END_M, TREE_GAP_M = 8.35, 11.0, (4.0, 7.5)
-"""Line of the trees, in the world's y; up to where they stand; and their distance (assumed)."""
+"""World y of the row of trees, the farthest tree along the road, and the smallest and largest
+distance between trees (assumed)."""
 _STREAM = 3
-"""First of three streams of random numbers, apart from shake's and wind's of the same seed."""
+"""First of three random streams, distinct from those of shake and wind with the same seed."""
 
 
 def build_street(seed: int, *, dark: bool, windy: bool) -> tuple[mujoco.MjSpec, tuple[Tree, ...]]:
-    """The street without what drives or walks, and without light.
+    """Build the street without moving vehicles, pedestrians and lights.
 
     Args:
-        seed: of all that is drawn at random.
-        dark: whether windows are lit.
-        windy: whether the trees have joints.
+        seed: seed of everything that is drawn at random.
+        dark: True if windows are lit.
+        windy: True if the trees have joints.
 
     Returns:
-        The model, and its trees.
+        The model and its trees.
 
     Raises:
-        SceneConfigError: a file is missing.
+        SceneConfigError: an asset file is missing.
     """
     spec = open_asset("street.xml")
     FacadeBuilder(spec, seed, lit=dark).build()
@@ -59,7 +60,7 @@ def build_street(seed: int, *, dark: bool, windy: bool) -> tuple[mujoco.MjSpec, 
 
 
 def plan_trees(rng: np.random.Generator) -> tuple[Tree, ...]:
-    """Where trees stand and how large they are."""
+    """Draw the positions and sizes of the trees."""
     trees: list[Tree] = []
     x = -TREES_END_M + float(rng.uniform(0, 4))
     while x < TREES_END_M:
@@ -81,7 +82,7 @@ def plan_trees(rng: np.random.Generator) -> tuple[Tree, ...]:
 
 
 def _park(spec: mujoco.MjSpec, rng: np.random.Generator) -> None:
-    """Cars along the far kerb, of any colour, a van among them."""
+    """Park cars of various colours, some of them vans, along the far kerb."""
     back, number = -PARKED_END_M + float(rng.uniform(*GAP_M)) - 2.0, 0
     while back < PARKED_END_M - 3.0:
         kind = VehicleKind.VAN if rng.uniform() < 0.2 else VehicleKind.SEDAN
@@ -101,7 +102,7 @@ def _park(spec: mujoco.MjSpec, rng: np.random.Generator) -> None:
 
 
 def _furnish(spec: mujoco.MjSpec, rng: np.random.Generator) -> None:
-    """Bins, bollards and signs on the far pavement; covers and mended patches in the road."""
+    """Add bins, bollards and signs on the far pavement; covers and patches in the road."""
     for x in _places(rng, 2):
         _cylinder(spec, 0.25, 0.45, (x, 8.2), PAVEMENT_M + 0.45, "iron")
     first, pitch = float(rng.uniform(-4, 0)), float(rng.uniform(1.3, 1.8))
@@ -120,7 +121,7 @@ def _furnish(spec: mujoco.MjSpec, rng: np.random.Generator) -> None:
 
 
 def _sign(spec: mujoco.MjSpec, x: float, rng: np.random.Generator) -> None:
-    """A road sign on a pole, round or square."""
+    """Add a round or square road sign on a pole."""
     height = float(rng.uniform(2.3, 2.7))
     _cylinder(spec, 0.03, height / 2, (x, 7.9), PAVEMENT_M + height / 2, "iron")
     z = PAVEMENT_M + height - 0.25
@@ -140,7 +141,7 @@ def _sign(spec: mujoco.MjSpec, x: float, rng: np.random.Generator) -> None:
 
 
 def _places(rng: np.random.Generator, count: int) -> list[float]:
-    """Places along the pavement that keep clear of the lamp post."""
+    """Draw positions along the pavement that keep clear of the lamp post."""
     drawn = rng.uniform(-10, 10, count)
     near = np.abs(drawn - LAMP_X_M) < LAMP_CLEARANCE_M
     return [float(x) for x in np.where(near, drawn - 2 * LAMP_CLEARANCE_M, drawn)]

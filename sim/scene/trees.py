@@ -1,6 +1,6 @@
-"""Trees: a trunk that stands, and a crown of boughs that sways in the wind.
+"""Trees: a fixed trunk, and a crown of boughs that sways in the wind.
 
-Shapes are drawn at random; their sizes and chances, where nothing else is said, are assumed.
+Shapes are drawn at random. Sizes and probabilities are assumed unless a source is given.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ import numpy.typing as npt
 from sim.motion.band_limited_noise import BandLimitedNoise, band_limited_noise
 
 BOUGHS = 4
-"""Rigid parts of a crown (by eye)."""
+"""Number of rigid boughs in a crown (by eye)."""
 LEAVES = 56
-"""Leaf tufts a bough, two triangles each (by eye)."""
+"""Number of leaf tufts on a bough, two triangles each (by eye)."""
 CORE_POINTS = 14
-"""Of the hull of twigs and shaded leaves within a bough (by eye)."""
+"""Number of points whose hull stands for the twigs and shaded leaves in a bough (by eye)."""
 LEAF_M = (0.13, 0.27)
-"""Half length of a tuft, least and most [m] (by eye)."""
+"""Smallest and largest half length of a tuft [m] (by eye)."""
 CROWN_SWAY_DEG, BOUGH_SWAY_DEG = 0.06, 0.12
-"""Root mean square angle at Beaufort 1 (assumed; 2.2° and 4.3° at 6). It grows with the square of
-the grade: leaves fold, so the drag grows with wind speed to the power 1.3 (Vogel 1989), and the
-speed with the grade to the power 1.5."""
+"""Root mean square sway angle at Beaufort 1 [deg] (assumed; 2.2° and 4.3° at Beaufort 6). It grows
+with the square of the grade: leaves fold, so drag grows with wind speed to the power 1.3 (Vogel
+1989), and wind speed grows with the grade to the power 1.5."""
 CROWN_SWAY_HZ, BOUGH_SWAY_HZ = 0.6, 1.6
-"""Corner frequencies of the sway (assumed; street trees swing at 0.3 to 1 Hz)."""
+"""Corner frequencies of the sway [Hz] (assumed; street trees swing at 0.3 to 1 Hz)."""
 _TUFT = np.array([(-0.9, -0.35), (0.3, -1.0), (1.0, 0.4), (-0.2, 0.9)])
-"""Outline of a tuft, in its half length (by eye)."""
+"""Outline of a tuft, in units of its half length (by eye)."""
 _TUFT_UV = np.array([(0.0, 0.0), (0.3, 0.0), (0.3, 0.3), (0.0, 0.3)])
-"""Part of the foliage texture that one tuft shows."""
+"""Section of the foliage texture that one tuft shows."""
 _SWAY_STREAM, _TONES = 2, 8
-"""Keeps the wind's random numbers apart from the shake's of the same seed; sinusoids of each sway
-(assumed)."""
+"""Random stream of the wind, distinct from that of the camera shake with the same seed; and number
+of sinusoids in each sway (assumed)."""
 
 F64 = npt.NDArray[np.float64]
 
@@ -43,13 +43,13 @@ class Tree:
     """One tree.
 
     Attributes:
-        name: of its crown's body, such as "tree_0".
-        x_m: along the road.
-        y_m: away from the camera.
-        trunk_m: height of the trunk below the crown.
-        crown_m: radius of the crown.
-        height_m: of the crown.
-        seed: of its shape.
+        name: name of the body of its crown, such as "tree_0".
+        x_m: position along the road [m].
+        y_m: position across the road, away from the camera [m].
+        trunk_m: height of the trunk below the crown [m].
+        crown_m: radius of the crown [m].
+        height_m: height of the crown [m].
+        seed: seed of its shape.
     """
 
     name: str
@@ -65,9 +65,9 @@ def add_tree(spec: mujoco.MjSpec, tree: Tree, *, sways: bool) -> None:
     """Add a tree to the street.
 
     Args:
-        spec: with materials "bark", "foliage" and "foliage_core".
-        tree: which.
-        sways: whether its crown and boughs have joints.
+        spec: model with the materials "bark", "foliage" and "foliage_core".
+        tree: the tree.
+        sways: True if its crown and boughs have joints.
     """
     rng = np.random.default_rng([tree.seed])
     radius = 0.05 + 0.055 * tree.crown_m
@@ -87,59 +87,59 @@ def add_tree(spec: mujoco.MjSpec, tree: Tree, *, sways: bool) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Swaying:
-    """A tree's motion: every hinge follows a band_limited_noise of its own.
+    """Motion of a tree: the angle of every hinge is band-limited noise.
 
     Attributes:
-        hinges: (n,) addresses: the crown's two, then two a bough.
-        wobbles: of each [rad].
-        reach_m: from a hinge to the farthest leaf.
+        hinges: (n,) `qpos` addresses of two hinges of the crown, then two of each bough.
+        angles: angle of each hinge over time [rad].
+        reach_m: distance from a hinge to the farthest leaf [m].
     """
 
     hinges: npt.NDArray[np.int64]
-    wobbles: tuple[BandLimitedNoise, ...]
+    angles: tuple[BandLimitedNoise, ...]
     reach_m: float
 
     def place(self, qpos: F64, t_s: float) -> None:
         """Set the hinges for a time [s]."""
-        qpos[self.hinges] = [one.value(t_s) for one in self.wobbles]
+        qpos[self.hinges] = [one.value(t_s) for one in self.angles]
 
     def fastest_m_s(self, t_s: float) -> float:
-        """The farthest leaf, were its bough and the crown to turn the same way."""
-        rates = np.array([one.rate(t_s) for one in self.wobbles]).reshape(-1, 2)
+        """Return a bound on the speed of any leaf [m/s]: bough and crown turn the same way."""
+        rates = np.array([one.rate(t_s) for one in self.angles]).reshape(-1, 2)
         crown, *boughs = np.linalg.norm(rates, axis=1)
         return self.reach_m * float(crown + max(boughs))
 
     @property
     def excursion_m(self) -> float:
-        """How far from its rest the farthest leaf may come: were all tones to meet."""
-        most = np.array([one.amplitude * len(one.phase_rad) for one in self.wobbles])
+        """Largest distance of any leaf from its rest position [m]: all tones peak at once."""
+        most = np.array([one.amplitude * len(one.phase_rad) for one in self.angles])
         crown, *boughs = np.linalg.norm(most.reshape(-1, 2), axis=1)
         return self.reach_m * float(crown + max(boughs))
 
 
 def swaying(model: mujoco.MjModel, tree: Tree, grade: int, rng: np.random.Generator) -> Swaying:
-    """How a tree with hinges moves in a wind of a Beaufort grade."""
+    """Return the motion of a tree with hinges in wind of a Beaufort grade."""
     joints = [model.joint(k) for k in range(model.njnt)]
     mine = [joint for joint in joints if joint.name.startswith(f"{tree.name}_sway")]
     boughs = [joint for joint in joints if joint.name.startswith(f"{tree.name}_bough")]
     strength = np.radians(grade**2)
     crown_rad, bough_rad = strength * CROWN_SWAY_DEG, strength * BOUGH_SWAY_DEG
-    wobbles = [
+    angles = [
         band_limited_noise(rng, rms=crown_rad, corner_hz=CROWN_SWAY_HZ, tones=_TONES) for _ in mine
     ]
-    wobbles += [
+    angles += [
         band_limited_noise(rng, rms=bough_rad, corner_hz=BOUGH_SWAY_HZ, tones=_TONES)
         for _ in boughs
     ]
     return Swaying(
         hinges=np.array([joint.qposadr[0] for joint in mine + boughs], np.int64),
-        wobbles=tuple(wobbles),
+        angles=tuple(angles),
         reach_m=tree.height_m + tree.crown_m,
     )
 
 
 def sway_rng(seed: int) -> np.random.Generator:
-    """The wind's random numbers, apart from the camera's of the same seed."""
+    """Return the random generator of the wind, distinct from that of the camera shake."""
     return np.random.default_rng([seed, _SWAY_STREAM])
 
 
@@ -159,7 +159,7 @@ def _add_bough(
     *,
     sways: bool,
 ) -> None:
-    """A bough: a branch, a dark core of twigs, and tufts of leaves around it."""
+    """Add a bough: a branch, a dark core of twigs, and tufts of leaves around it."""
     name = f"{tree.name}_bough_{number}"
     middle, radii = _bough_shape(tree, number, rng)
     start = np.array([0, 0, 0.25 * tree.height_m])
@@ -189,7 +189,7 @@ def _add_bough(
 
 
 def _bough_shape(tree: Tree, number: int, rng: np.random.Generator) -> tuple[F64, F64]:
-    """Middle of a bough in the crown's frame, and its half axes [m]."""
+    """Draw the centre of a bough in the frame of the crown, and its half axes [m]."""
     low, level = tree.height_m * 0.42, number < BOUGHS - 1
     turn = 2 * np.pi * (number / (BOUGHS - 1) + rng.uniform(-0.1, 0.1))
     out = tree.crown_m * rng.uniform(0.4, 0.55) * level
@@ -200,9 +200,9 @@ def _bough_shape(tree: Tree, number: int, rng: np.random.Generator) -> tuple[F64
 
 
 def _leaves(rng: np.random.Generator, middle: F64, radii: F64) -> tuple[F64, F64, F64]:
-    """Tufts about a bough: corners, texture coordinates and triangles, all flat.
+    """Draw the tufts of a bough: corners, texture coordinates and triangles, each flattened.
 
-    A tuft shows one side only, so most face the camera's side of the street.
+    A tuft is visible from one side only, so most face the camera.
     """
     outward = _on_sphere(rng, LEAVES)
     seen = rng.uniform(size=LEAVES) < 0.8

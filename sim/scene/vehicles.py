@@ -1,4 +1,4 @@
-"""Vehicles: which files they come from, their paint, and their lamps."""
+"""Vehicles: their MJCF files, paint and lamps."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from sim.scene.assets import open_asset
 Hue = tuple[float, float, float]
 
 FLANK_M = 0.9
-"""From the middle of a lane to the flank of what drives there: a narrower or a wider vehicle keeps
-to the side, so that its flank is as far from the camera as `distance_m` says (assumed: half the
-sedan's width)."""
+"""Distance from the middle of a lane to the near flank of any vehicle on it [m] (assumed: half the
+width of the sedan). Narrower and wider vehicles are shifted sideways, so that their flank is
+`distance_m` from the camera."""
 FLANK_OF_M = {VehicleKind.SEDAN: 0.9, VehicleKind.VAN: 1.0, VehicleKind.MOTORCYCLE: 0.4}
-"""From each vehicle's middle to its flank, as its file has it."""
+"""Distance from the middle of each vehicle to its flank, as in its MJCF file [m]."""
 PAINT = "paint"
-"""Name of the material that every vehicle's file has for its paint."""
+"""Name of the paint material in every vehicle's MJCF file."""
 HUES = {
     VehicleKind.SEDAN: (0.95, 1.0, 1.1),
     VehicleKind.VAN: (1.0, 1.0, 0.97),
     VehicleKind.MOTORCYCLE: (1.6, 0.85, 0.7),
 }
-"""Linear colours of the paints, to be scaled to the luminance asked for (by eye)."""
+"""Linear colours of the paints, before they are scaled to a luminance (by eye)."""
 
 
 def vehicle(
     kind: VehicleKind, reflectance: float, *, lit: bool, hue: Hue | None = None
 ) -> mujoco.MjSpec:
-    """A vehicle of its own, its origin on the ground under its middle, x forward.
+    """Return the model of one vehicle, with its origin on the ground under its middle, x forward.
 
     Args:
-        kind: which.
-        reflectance: luminance reflectance of its paint.
-        lit: whether its lamps are on.
-        hue: linear colour to scale; None: what vehicles of the kind have.
+        kind: kind of vehicle.
+        reflectance: luminance reflectance of the paint.
+        lit: True if the lamps are on.
+        hue: linear colour of the paint, which is scaled; None: the default of the kind.
 
     Raises:
-        SceneConfigError: a file is missing.
+        SceneConfigError: the asset file is missing.
     """
     spec = open_asset(f"{kind}.xml")
     spec.material(PAINT).rgba = [*painted(hue or HUES[kind], reflectance), 1.0]
@@ -50,7 +50,7 @@ def vehicle(
 
 
 def painted(hue: Hue, reflectance: float) -> list[float]:
-    """A linear colour of a hue with a luminance."""
+    """Scale a linear colour to a luminance reflectance."""
     scale = reflectance / light.relative_luminance(hue)
     return [part * scale for part in hue]
 
@@ -58,14 +58,14 @@ def painted(hue: Hue, reflectance: float) -> list[float]:
 def add_vehicle(
     spec: mujoco.MjSpec, car: mujoco.MjSpec, prefix: str, *, lane_m: float, heading: int
 ) -> None:
-    """Put a vehicle that can drive on a lane, `heading` along (+1) or against (-1) the road."""
+    """Put a moving vehicle on a lane, facing along (`heading` +1) or against (-1) the world's x."""
     turn = [1, 0, 0, 0] if heading > 0 else [0, 0, 0, 1]
     frame = spec.worldbody.add_frame(pos=[0, lane_m, 0], quat=turn)
     spec.attach(car, prefix=prefix, frame=frame)
 
 
 def add_beams(car: mujoco.MjSpec) -> None:
-    """Add the dipped beams of a vehicle, which shine from its sites "head_lamp…"."""
+    """Add the dipped beams of a vehicle at its sites "head_lamp…"."""
     lamps = np.array([site.pos for site in car.sites if site.name.startswith("head_lamp")])
     light.add_head_lamps(root_body(car), lamps)
 
@@ -73,7 +73,7 @@ def add_beams(car: mujoco.MjSpec) -> None:
 def add_parked(
     spec: mujoco.MjSpec, car: mujoco.MjSpec, prefix: str, *, x_m: float, y_m: float, turn_rad: float
 ) -> None:
-    """Put a vehicle that stands."""
+    """Add a parked vehicle, without joints."""
     for joint in list(car.joints):
         car.delete(joint)
     half = turn_rad / 2
@@ -82,7 +82,7 @@ def add_parked(
 
 
 def root_body(car: mujoco.MjSpec) -> mujoco.MjsBody:
-    """The body of a vehicle's file that all the others hang from."""
+    """Return the root body of a vehicle's model."""
     return next(body for body in car.bodies if body.name != "world")
 
 

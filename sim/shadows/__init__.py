@@ -1,1 +1,1 @@
-"""What moving objects do to the light on the background: shadows, and the beams of their lamps."""
+"""Effects of moving objects on the background: their shadows, and the beams of their lamps."""

@@ -1,4 +1,4 @@
-"""Which still things may keep light from a mover: all others can be away while it is drawn."""
+"""Static geoms that may shade a moving object. All others can be hidden while it is rendered."""
 
 from __future__ import annotations
 
@@ -11,35 +11,38 @@ from sim.render.filament import NO_SHADOW_GROUP
 F64 = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
 
-SUN_M = 1e3
-"""Farther off than anything that shades the street from the sun (assumed)."""
+SUN_DISTANCE_M = 1e3
+"""Distance at which the sun is placed: beyond anything that shades the street (assumed)."""
 
 
 def shadow_casting_geoms(
-    model: mujoco.MjModel, data: mujoco.MjData, still: Numbers, corners_m: F64
+    model: mujoco.MjModel, data: mujoco.MjData, candidates: Numbers, corners_m: F64
 ) -> Numbers:
-    """Those of some geoms that may cast a shadow on a thing.
+    """Return the geoms that may cast a shadow on an object.
 
-    They lie between a lamp and the ball around the thing: no farther from the line between the
-    lamp and the ball's middle than the ball reaches.
+    A geom qualifies if its bounding sphere touches the cylinder between a light and the object,
+    whose radius is that of the object's bounding sphere.
 
     Args:
-        model: whose lights shine.
-        data: where geoms and lights are.
-        still: (n,) numbers of the geoms to choose from.
-        corners_m: (8, 3) of the box around the thing, in the world [m].
+        model: model with the lights.
+        data: positions of geoms and lights.
+        candidates: (n,) numbers of the geoms to choose from.
+        corners_m: (8, 3) corners of the object's bounding box in the world [m].
     """
-    middle = corners_m.mean(axis=0)
-    casting = still[model.geom_group[still] != NO_SHADOW_GROUP]
-    ball_m, bound_m = np.linalg.norm(corners_m - middle, axis=1).max(), model.geom_rbound[casting]
-    place = data.geom_xpos[casting] - middle
-    near = bound_m == 0  # planes have no end
+    centre = corners_m.mean(axis=0)
+    casting = candidates[model.geom_group[candidates] != NO_SHADOW_GROUP]
+    radius_m = np.linalg.norm(corners_m - centre, axis=1).max()
+    bound_m = model.geom_rbound[casting]
+    offset = data.geom_xpos[casting] - centre
+    may_shade = bound_m == 0  # planes are unbounded
     for light in _casting_lights(model):
-        parallel = model.light_type[light] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-        way = -SUN_M * data.light_xdir[light] if parallel else data.light_xpos[light] - middle
-        along = np.clip(place @ way / (way @ way), 0.0, 1.0)[:, None]
-        near |= np.linalg.norm(place - along * way, axis=1) <= bound_m + ball_m
-    return np.asarray(casting[near])
+        is_sun = model.light_type[light] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+        to_light = (
+            -SUN_DISTANCE_M * data.light_xdir[light] if is_sun else data.light_xpos[light] - centre
+        )
+        along = np.clip(offset @ to_light / (to_light @ to_light), 0.0, 1.0)[:, None]
+        may_shade |= np.linalg.norm(offset - along * to_light, axis=1) <= bound_m + radius_m
+    return np.asarray(casting[may_shade])
 
 
 def _casting_lights(model: mujoco.MjModel) -> Numbers:

@@ -1,1 +1,1 @@
-"""Ground truth: every moving object, and dense depth and flow, at any time."""
+"""Ground truth at any time: every moving object, and depth and optical flow of every pixel."""

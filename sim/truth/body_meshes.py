@@ -1,4 +1,4 @@
-"""A MuJoCo model as plain triangles, one mesh a rigid body, for viewers that know no MuJoCo."""
+"""Triangle meshes of a MuJoCo model, one per rigid body, for viewers that cannot read MuJoCo."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from sim.scene.scene import Scene
 from sim.scene.srgb import encoded
 
 WORLD = "world"
-"""Name of the body that never moves."""
+"""Name of the body to which everything static belongs."""
 
 F64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class BodyMesh:
-    """The triangles of one rigid body, in its own frame; each triangle owns its three vertices.
+    """Triangles of one rigid body in the body's frame. No two triangles share a vertex.
 
     Attributes:
-        name: the body's; `WORLD` for all that is fixed to the world.
-        vertices_m: (3n, 3) float32 [m].
-        normals: (3n, 3) float32, of unit length; those of a triangle are equal.
-        colours: (3n, 3) uint8, sRGB.
+        name: name of the body; `WORLD` for everything fixed to the world.
+        vertices_m: (3n, 3) float32 vertices, three per triangle [m].
+        normals: (3n, 3) float32 unit normals, equal for the three vertices of a triangle.
+        colours: (3n, 3) uint8 sRGB colours.
     """
 
     name: str
@@ -39,11 +39,11 @@ class BodyMesh:
 
 @dataclass(frozen=True, eq=False)
 class BodyPose:
-    """Where a body is in the world.
+    """Pose of a body in the world.
 
     Attributes:
-        position_m: (3,) of its origin [m].
-        rotation: (3, 3), whose columns are the body's axes.
+        position_m: (3,) position of the body's origin [m].
+        rotation: (3, 3) rotation matrix; its columns are the body's axes.
     """
 
     position_m: F64
@@ -51,13 +51,13 @@ class BodyPose:
 
 
 class MovingBodies:
-    """The rigid bodies of a scene that move."""
+    """The moving rigid bodies of a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        """Find them.
+        """Find the moving bodies.
 
         Args:
-            scene: stays as it is; the poses are worked out on data of their own.
+            scene: the scene, which is not changed.
         """
         self._scene = scene
         self._data = mujoco.MjData(scene.model)
@@ -66,7 +66,11 @@ class MovingBodies:
         }
 
     def poses(self, t_s: float) -> dict[str, BodyPose]:
-        """World poses by the body's name, at a time since the target's closest approach [s]."""
+        """Return the pose of each moving body, by its name.
+
+        Args:
+            t_s: time since the target's closest approach [s].
+        """
         self._scene.place(self._data, t_s)
         return {
             name: BodyPose(self._data.xpos[k].copy(), self._data.xmat[k].reshape(3, 3).copy())
@@ -75,29 +79,29 @@ class MovingBodies:
 
 
 def body_meshes(model: mujoco.MjModel) -> list[BodyMesh]:
-    """The visible geoms of a model, merged by rigid body; the world's first.
+    """Return the visible geoms of a model as one mesh per rigid body, the world first.
 
-    A geom has one colour: its material's, or its own, times the mean of its texture. Colours are
-    taken as linear reflectances.
+    Each geom gets a single colour: that of its material, or its own if it has none, times the mean
+    of its texture. Colours are taken as linear reflectances.
 
     Args:
-        model: of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
+        model: model made of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
 
     Raises:
-        SceneConfigError: it has a geom of another type.
+        SceneConfigError: the model has a geom of another type.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    rigid = model.body_weldid[model.geom_bodyid]
+    body_of_geom = model.body_weldid[model.geom_bodyid]
     texels = [_mean_texel(model, k) for k in range(model.ntex)]
     return [
-        _merged(model, data, int(body), np.flatnonzero(rigid == body), texels)
-        for body in np.unique(rigid)
+        _merged(model, data, int(body), np.flatnonzero(body_of_geom == body), texels)
+        for body in np.unique(body_of_geom)
     ]
 
 
 def srgb(linear: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Encode linear colour, 0 to 1, as sRGB of 8 bits."""
+    """Encode linear colours, 0 to 1, as 8-bit sRGB."""
     return np.asarray(np.rint(encoded(linear) * 255), np.uint8)
 
 
@@ -108,7 +112,7 @@ def _merged(
     geoms: npt.NDArray[np.int64],
     texels: list[F64],
 ) -> BodyMesh:
-    """One body's geoms; `texels` are the means of all textures."""
+    """Merge the geoms of one body; `texels` holds the mean texel of every texture."""
     visible = [int(k) for k in geoms if model.geom_rgba[k, 3] > 0]
     soups = [geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
     colours = [srgb(_linear_colour(model, k, texels)) for k in visible]
@@ -132,7 +136,7 @@ def _linear_colour(model: mujoco.MjModel, geom: int, texels: list[F64]) -> F64:
 
 
 def _mean_texel(model: mujoco.MjModel, texture: int) -> F64:
-    """Mean of a texture's first three channels, or of its only one, 0 to 1."""
+    """Mean of a texture's first three channels, or of its single channel, 0 to 1."""
     shape = [int(n[texture]) for n in (model.tex_height, model.tex_width, model.tex_nchannel)]
     start = int(model.tex_adr[texture])
     texels = model.tex_data[start : start + math.prod(shape)].reshape(shape)

@@ -1,4 +1,4 @@
-"""A scene's geometry at any time, as its camera has it before it: exact, and without light."""
+"""Exact depth and optical flow of every pixel at any time, from the scene's geometry alone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
 from sim.raster.triangles import triangle_soup
-from sim.raster.visibility import Visible, look
+from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.scene.scene import Scene
 
 F32 = npt.NDArray[np.float32]
@@ -18,82 +18,96 @@ F64 = npt.NDArray[np.float64]
 I8 = npt.NDArray[np.int8]
 
 RATE_STEP_S = 1e-5
-"""Half the time over which poses are differenced for velocities. What the cut-off series leaves out
-of a motion at f Hz is (2π f · 10⁻⁵)²/6 of its speed: 10⁻⁶ at 39 Hz, and 2·10⁻⁴ at 600 Hz, the
-fastest tone of the fastest shake; rounding adds less than 10⁻⁹ m/s."""
+"""Half the interval of the central differences that give velocities [s]. For a motion of frequency
+f they neglect (2π f · 10⁻⁵)²/6 of its speed: 10⁻⁶ at 39 Hz, and 2·10⁻⁴ at 600 Hz, the highest
+frequency of the fastest shake. Rounding adds less than 10⁻⁹ m/s."""
 BACKGROUND = -1
-"""Number of the object that what stands still belongs to, and the sky."""
+"""Object number of everything that does not move, and of the sky."""
 
 
 class DenseTruth:
-    """Where everything in a scene is, and how it moves, in its camera's frame.
+    """Exact geometry of a scene as its camera sees it: visibility, depth, flow and displacement.
 
-    Times are seconds since the target's closest approach. The camera's frame is right, down,
-    forward. Not for several threads at once.
+    Times are seconds since the target's closest approach. The axes of the camera's frame point
+    right, down and forward. An instance must not be used by several threads at once.
+
+    Attributes:
+        scene: the scene.
+        lens: intrinsics of the camera.
+        soup: all triangles of the scene.
+        object_of_body: (bodies,) int8 number of the object that each body belongs to, or
+            `BACKGROUND`.
     """
 
     def __init__(self, scene: Scene, lens: Intrinsics) -> None:
-        """Take the scene apart into triangles.
+        """Extract the scene's triangles.
 
         Args:
-            scene: what is seen; stays as it is.
-            lens: the camera's.
+            scene: the scene, which is not changed.
+            lens: intrinsics of the camera.
         """
         self.scene, self.lens = scene, lens
-        self.object_of = objects_of_bodies(scene)
+        self.object_of_body = _object_of_body(scene)
         self.soup = triangle_soup(scene.model)
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers = self.soup.of_bodies(moving)
-        self._still_soup = self.soup.without_bodies(moving)
-        self._still: Visible | None = None
+        self._static = self.soup.without_bodies(moving)
+        self._static_visible: VisibilityMap | None = None
         self._data = mujoco.MjData(scene.model)
 
-    def views(self, t_s: float) -> F64:
-        """(bodies, 3, 4) from each body's frame into the camera's."""
-        return compose_transforms(self.poses(t_s), self.scene.pose_at(t_s).into)
+    def poses_in_camera(self, t_s: float) -> F64:
+        """(bodies, 3, 4) transforms from each body's frame to the camera's frame."""
+        return compose_transforms(self.poses_in_world(t_s), self.scene.pose_at(t_s).into)
 
-    def poses(self, t_s: float) -> F64:
-        """(bodies, 3, 4) from each body's frame into the world."""
+    def poses_in_world(self, t_s: float) -> F64:
+        """(bodies, 3, 4) transforms from each body's frame to the world."""
         self.scene.place(self._data, t_s)
         return body_poses(self._data)
 
     def twists(self, t_s: float) -> F64:
-        """(bodies, 3, 4) from a place in the camera's frame to the velocity there [1/s, m/s].
+        """Return each body's velocity field in the frame of the camera, which may itself shake.
 
-        Of what is rigidly joined to each body, as the camera, which may shake, sees it.
+        Returns:
+            (bodies, 3, 4) maps from a point in the camera's frame to the velocity there of what is
+            rigidly attached to the body [1/s, m/s].
         """
-        before, after = self.views(t_s - RATE_STEP_S), self.views(t_s + RATE_STEP_S)
-        return flow.twists_between(before, self.views(t_s), after, 2 * RATE_STEP_S)
+        before, now, after = (
+            self.poses_in_camera(t) for t in (t_s - RATE_STEP_S, t_s, t_s + RATE_STEP_S)
+        )
+        return flow.twists_between(before, now, after, 2 * RATE_STEP_S)
 
-    def visible(self, t_s: float) -> Visible:
-        """What each pixel's middle shows."""
-        poses, pose = self.poses(t_s), self.scene.pose_at(t_s)
-        still = self._still
-        if still is None or self.scene.shake is not None:
-            still = self._still = look(self._still_soup, poses, pose, self.lens)
-        return look(self._movers, poses, pose, self.lens, still)
+    def visible(self, t_s: float) -> VisibilityMap:
+        """Return the body that the middle of each pixel shows, and its nearness."""
+        poses, pose = self.poses_in_world(t_s), self.scene.pose_at(t_s)
+        static = self._static_visible
+        if static is None or self.scene.shake is not None:
+            static = self._static_visible = visibility_map(self._static, poses, pose, self.lens)
+        return visibility_map(self._movers, poses, pose, self.lens, static)
 
     def depth_m(self, t_s: float) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
         return flow.depth_m(self.visible(t_s))
 
     def flow_px_s(self, t_s: float) -> F32:
-        """(height, width, 2) float32 velocity in the image of what each pixel's middle shows."""
+        """(height, width, 2) float32 image velocity of what the middle of each pixel shows."""
         return flow.flow_px_s(self.visible(t_s), self.twists(t_s), self.lens)
 
     def displacement_px(self, from_s: float, to_s: float) -> F32:
-        """How far what each pixel's middle shows at one time has gone at another.
+        """Return how far the point shown by the middle of each pixel moves between two times.
+
+        Args:
+            from_s: time at which the pixels show the points [s].
+            to_s: time to which the points are followed [s].
 
         Returns:
             (height, width, 2) float32, x and y [px]; see `sim.raster.flow.displacement_px`.
         """
-        moves = flow.transforms_between(self.views(from_s), self.views(to_s))
+        moves = flow.transforms_between(self.poses_in_camera(from_s), self.poses_in_camera(to_s))
         return flow.displacement_px(self.visible(from_s), moves, self.lens)
 
 
-def objects_of_bodies(scene: Scene) -> I8:
-    """(bodies,) int8 which of the scene's objects each body belongs to, or `BACKGROUND`."""
-    found = np.full(scene.model.nbody, BACKGROUND, np.int8)
+def _object_of_body(scene: Scene) -> I8:
+    numbers = np.full(scene.model.nbody, BACKGROUND, np.int8)
     for k, item in enumerate(scene.objects):
-        found[item.bodies] = k
-    return found
+        numbers[item.bodies] = k
+    return numbers

@@ -1,4 +1,4 @@
-"""What is really so at a sample: the ground truth that a detector is judged on."""
+"""Data classes of the ground truth against which detectors are scored."""
 
 from __future__ import annotations
 
@@ -16,29 +16,30 @@ I8 = npt.NDArray[np.int8]
 
 @dataclass(frozen=True, eq=False)
 class ObjectTruth:
-    """One moving object at one sample.
+    """Ground truth of one moving object at one sample.
 
-    Its reference is a point that moves with its root body: for the target the middle of its near
-    flank, to which the configuration's distance is measured; for all others the middle of the box
-    around them.
+    The reference point moves with the object's root body. For the target it is the middle of the
+    near flank, to which `CrossingConfig.distance_m` is measured. For every other object it is the
+    middle of its bounding box in the scene.
 
     Attributes:
-        name: as the scene has it: "target", "far_vehicle", "pedestrian", "tree_0" and so on.
+        name: name of the object in the scene: "target", "far_vehicle", "pedestrian", "tree_0" and
+            so on.
         kind: "sedan", "van", "motorcycle", "pedestrian" or "tree".
-        reference_px: (2,) where the reference is in the image, also outside of it; not a number
-            where it is behind the camera.
-        image_velocity_px_s: (2,) its velocity there, x right and y down, as the camera sees it: if
-            the camera shakes, its shake is included.
-        angular_velocity_rad_s: how fast the reference's bearing turns about the vertical through
-            the camera, whichever way; the camera's shake is no part of it.
-        distance_m: from the camera to the reference.
-        visibility: share of the pixels the object would take up alone, without the image's border
-            and without anything before it, that the image shows; 0 to 1, to about 1 %.
-        bounding_box_px: x0, y0, x1, y1 of the mask, half-open; None where it is empty.
-        centroid_px: (2,) centre of gravity of the mask; None where it is empty.
-        labels: (height, width) int8, which of the scene's objects each pixel's middle shows, by
-            number; -1 for none. All objects of a sample share it.
-        number: the object's own.
+        reference_px: (2,) image coordinates of the reference point, which may lie outside the
+            image; NaN if it is behind the camera.
+        image_velocity_px_s: (2,) image velocity of the reference point, x right and y down. It
+            includes the camera's shake.
+        angular_velocity_rad_s: rate, without sign, at which the bearing of the reference point
+            turns about the vertical through the camera. It does not include the camera's shake.
+        distance_m: distance from the camera to the reference point.
+        visibility: share of the object's silhouette that the image shows, 0 to 1, to about 1 %.
+            The silhouette is what an unlimited image would show if nothing stood in front.
+        bounding_box_px: x0, y0, x1, y1 of the mask, half-open; None if the mask is empty.
+        centroid_px: (2,) centroid of the mask; None if the mask is empty.
+        labels: (height, width) int8 number of the object that the middle of each pixel shows; -1
+            for none. All objects of a sample share this array.
+        number: number of this object in `labels`.
     """
 
     name: str
@@ -55,24 +56,24 @@ class ObjectTruth:
 
     @property
     def mask(self) -> npt.NDArray[np.bool_]:
-        """(height, width) bool, the pixels whose middle shows the object."""
+        """(height, width) bool: True where the middle of the pixel shows the object."""
         return np.asarray(self.labels == self.number)
 
     @property
     def in_view(self) -> bool:
-        """Whether any pixel shows it."""
+        """True if at least one pixel shows the object."""
         return self.bounding_box_px is not None
 
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """All that moves at one sample; what is said of no object is said of the target.
+    """Ground truth of one sample. The properties are shortcuts to those of the target.
 
     Attributes:
-        t_us: time [µs].
-        direction: of the target in the image.
-        position_m: way of the target's middle from the point of closest approach [m].
-        objects: of everything that moves, the target first.
+        t_us: time since the start of the sequence [µs].
+        direction: direction of the target's image motion.
+        position_m: distance of the target's middle past the point of closest approach [m].
+        objects: ground truth of every moving object, the target first.
     """
 
     t_us: int
@@ -87,17 +88,17 @@ class GroundTruth:
 
     @property
     def angular_velocity_rad_s(self) -> float:
-        """Rate of the bearing of the target's flank, seen from the camera: v·d / (d² + s²)."""
+        """Rate at which the bearing of the target's flank turns: v·d / (d² + s²)."""
         return self.target.angular_velocity_rad_s
 
     @property
     def image_velocity_px_s(self) -> F64:
-        """(2,) velocity of the target's flank in the image; x right, y down."""
+        """(2,) image velocity of the target's flank; x right, y down."""
         return self.target.image_velocity_px_s
 
     @property
     def reference_px(self) -> F64:
-        """(2,) where the middle of the target's flank is in the image, also outside of it."""
+        """(2,) image coordinates of the middle of the target's flank, perhaps outside the image."""
         return self.target.reference_px
 
     @property
@@ -107,20 +108,20 @@ class GroundTruth:
 
     @property
     def mask(self) -> npt.NDArray[np.bool_]:
-        """(height, width) bool, the pixels whose middle shows the target."""
+        """(height, width) bool: True where the middle of the pixel shows the target."""
         return self.target.mask
 
     @property
     def bounding_box_px(self) -> Rectangle | None:
-        """Box x0, y0, x1, y1 of the target's mask, half-open; None where it is empty."""
+        """Bounding box x0, y0, x1, y1 of the target's mask, half-open; None if it is empty."""
         return self.target.bounding_box_px
 
     @property
     def centroid_px(self) -> F64 | None:
-        """(2,) centre of gravity of the target's mask; None where it is empty."""
+        """(2,) centroid of the target's mask; None if the mask is empty."""
         return self.target.centroid_px
 
     @property
     def in_view(self) -> bool:
-        """Whether any pixel shows the target."""
+        """True if at least one pixel shows the target."""
         return self.target.in_view

@@ -1,3 +1,5 @@
+"""Time to record a million events as a Rerun file, and the size of the file."""
+
 from pathlib import Path
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What light costs: a whole frame, a sample from keyframes, and a crossing against full frames."""
+"""CPU time of rendering: a full frame, a sample from keyframes, and a whole crossing."""
 
 import itertools
 from collections.abc import Sequence
@@ -17,31 +17,31 @@ def crossing(request: pytest.FixtureRequest) -> Crossing:
 
 
 @pytest.mark.benchmark(
-    group="a whole luminance frame, 346×260, 2×2 [CPU]", timer=process_time, min_rounds=10
+    group="a full luminance frame, 346×260, 2×2 [CPU]", timer=process_time, min_rounds=10
 )
-def test_whole_frame(benchmark: Any, crossing: Crossing) -> None:
-    with crossing.full_frames(2) as draw:
+def test_full_frame(benchmark: Any, crossing: Crossing) -> None:
+    with crossing.full_frame_renderer(2) as render:
         times = itertools.count(crossing.duration_us // 2, 1_000)
-        draw(0)
-        benchmark(lambda: draw(next(times)))
+        render(0)
+        benchmark(lambda: render(next(times)))
 
 
-@pytest.mark.benchmark(group="a sample of the crossing, truth included [CPU]", timer=process_time)
+@pytest.mark.benchmark(group="a sample of the crossing with ground truth [CPU]", timer=process_time)
 def test_sample(benchmark: Any, crossing: Crossing) -> None:
     times_us = crossing.times_us()
     samples = crossing.samples(times_us[len(times_us) // 2 :])
     benchmark.pedantic(lambda: next(samples), rounds=100, warmup_rounds=3)
 
 
-@pytest.mark.benchmark(group="a whole crossing, from nothing, truth included [CPU]")
+@pytest.mark.benchmark(group="a whole crossing with ground truth, renderer set-up included [CPU]")
 @pytest.mark.parametrize(
     ("lighting", "omega_rad_s"),
-    [(light, omega) for light, omegas in PAPER_OMEGA_RAD_S.items() for omega in omegas],
+    [(lighting, omega) for lighting, omegas in PAPER_OMEGA_RAD_S.items() for omega in omegas],
 )
 def test_crossing_against_full_frames(
     benchmark: Any, capsys: pytest.CaptureFixture[str], lighting: Lighting, omega_rad_s: float
 ) -> None:
-    """Full frames are drawn before and after, of some of the samples, and count for all."""
+    """Full frames at some of the sample times, rendered before and after, give the reference."""
     crossing = Crossing(CrossingConfig(lighting=lighting, omega_rad_s=omega_rad_s))
     times_us = crossing.times_us()
     some_us = times_us[len(times_us) // 32 :: len(times_us) // 16]
@@ -61,15 +61,15 @@ def test_crossing_against_full_frames(
     with capsys.disabled():
         print(
             f"\n{lighting} {omega_rad_s} rad/s: {len(times_us)} samples in {spent_s:.1f} s of CPU,"
-            f" {ratio:.1f} times less than 2×2 in full; {seconds:.1f} s a second of scene"
+            f" {ratio:.1f} times less than full 2×2 frames; {seconds:.1f} s per second of scene"
         )
 
 
 def full_frame_cpu_s(crossing: Crossing, times_us: Sequence[int]) -> float:
-    """Mean over some times, the renderer set up already."""
-    with crossing.full_frames(2) as draw:
-        draw(0)
+    """Mean CPU time of a full frame, without setting up the renderer [s]."""
+    with crossing.full_frame_renderer(2) as render:
+        render(0)
         start = process_time()
         for t_us in times_us:
-            draw(t_us)
+            render(t_us)
         return (process_time() - start) / len(times_us)

@@ -1,4 +1,4 @@
-"""Events of things that move at a known velocity in any direction."""
+"""Synthetic windows of events that move at a known velocity."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WINDOW_US = 50_000
 def dots(
     velocity_px_s: tuple[float, float], *, number: int = 2000, events_each: int = 10, seed: int = 0
 ) -> Events:
-    """Points that fire at random times of a window, each in the pixel where it then is."""
+    """Return events of moving points that fire at random times of a window, at their position."""
     rng = np.random.default_rng(seed)
     middle = rng.uniform((100, 80), (246, 180), (number, 1, 2))
     t_s = rng.uniform(-0.5, 0.5, (number, events_each)) * WINDOW_US * 1e-6
@@ -30,10 +30,13 @@ def dots(
 
 
 def texture(speed_px_s: float, direction: Direction, *, most: int, seed: int = 0) -> Events:
-    """A window of a textured box in front of asphalt, thinned at random to at most so many."""
+    """Return a window of events of a moving textured box in front of asphalt.
+
+    If there are more than `most` events, a random selection of that many is returned.
+    """
     upright = direction in (Direction.RIGHT, Direction.LEFT)
     width, height = (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
-    lead_us = max(10_000, int(2 / speed_px_s * 1e6))  # what appears at time 0 is over by then
+    lead_us = max(10_000, int(2 / speed_px_s * 1e6))  # excludes the onset at time 0
     events = slide(
         textured_box(200, 120, seed=seed),
         speed_px_s=speed_px_s,

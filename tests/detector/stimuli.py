@@ -1,8 +1,8 @@
-"""Drawn stimuli: patterns that slide over the sensor, seen by pixels without any flaw.
+"""Synthetic stimuli: events of patterns that slide over an ideal sensor.
 
-A pattern is an image of log luminance, NaN where it is see-through, that moves to the right at
+A pattern is an image of log luminance, NaN where it is transparent, that moves to the right at
 constant speed in front of a background. Each pixel averages over its width and fires whenever its
-log luminance has moved by a contrast threshold; `turned` gives the other three directions.
+log luminance has changed by a contrast threshold. `turned` gives the other three directions.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ F64 = npt.NDArray[np.float64]
 
 
 def car(length_px: int = 200, height_px: int = 60, *, contrast: float = 1.0) -> F64:
-    """A sedan from the side, in front of a road of log luminance 0, with its shadow beneath."""
+    """Return a sedan from the side, with its shadow, for a road of log luminance 0."""
     image: F64 = np.full((height_px + 6, length_px), np.nan)
     roof, belt, sill = 0, int(0.38 * height_px), int(0.85 * height_px)
     image[belt:sill] = 0.5
@@ -47,19 +47,19 @@ def car(length_px: int = 200, height_px: int = 60, *, contrast: float = 1.0) -> 
 
 
 def textured_box(length_px: int = 120, height_px: int = 50, *, seed: int = 0) -> F64:
-    """A rectangle of random patches 6 px a side, ±0.5 in log luminance."""
+    """Return a rectangle of random patches of 6×6 px, ±0.5 in log luminance."""
     rng = np.random.default_rng(seed)
     patches = rng.uniform(-0.5, 0.5, (-(-height_px // 6), -(-length_px // 6)))
     return np.asarray(np.kron(patches, np.ones((6, 6)))[:height_px, :length_px], np.float64)
 
 
 def plain_box(length_px: int = 120, height_px: int = 50, *, level: float = 0.8) -> F64:
-    """A rectangle without any texture."""
+    """Return a rectangle without texture."""
     return np.full((height_px, length_px), level)
 
 
 def asphalt(height_px: int, width_px: int, *, seed: int = 1) -> F64:
-    """A still background of fine and coarse grain, ±0.2 in log luminance, with a lane mark."""
+    """Return a background of fine and coarse grain, ±0.2 in log luminance, with a lane mark."""
     rng = np.random.default_rng(seed)
     coarse = np.kron(rng.normal(0, 0.1, (-(-height_px // 8), -(-width_px // 8))), np.ones((8, 8)))
     image = coarse[:height_px, :width_px] + rng.normal(0, 0.06, (height_px, width_px))
@@ -78,25 +78,25 @@ def slide(
     threshold: float = THRESHOLD,
     seed: int = 0,
 ) -> Events:
-    """Events of a pattern whose left edge moves from `start_px` to the right.
+    """Return events of a pattern whose left edge moves from `start_px` to the right.
 
     Args:
-        pattern: (rows, columns) log luminance, NaN where see-through.
+        pattern: (rows, columns) log luminance, NaN where transparent.
         speed_px_s: image speed [px/s].
-        start_px: left edge at time 0 [px].
-        top_px: upper edge [px].
-        duration_us: how long it moves [µs].
+        start_px: position of the left edge at time 0 [px].
+        top_px: position of the upper edge [px].
+        duration_us: duration of the motion [µs].
         background: log luminance of the whole image.
-        threshold: mean contrast threshold; pixels differ by 4 %.
-        seed: of the mismatch and of a latency of 0 to 0.3 ms.
+        threshold: mean contrast threshold; its standard deviation is 4 %.
+        seed: seed of the threshold mismatch and of a latency of 0 to 0.3 ms.
     """
     rng = np.random.default_rng(seed)
     rows, columns = pattern.shape
     region = slice(top_px, top_px + rows)
     below = background[region]
     width = below.shape[1]
-    solid = np.pad((~np.isnan(pattern)).astype(float), ((0, 0), (width + 2, width + 2)))
-    painted = np.pad(np.nan_to_num(pattern), ((0, 0), (width + 2, width + 2)))
+    opacity = np.pad((~np.isnan(pattern)).astype(float), ((0, 0), (width + 2, width + 2)))
+    values = np.pad(np.nan_to_num(pattern), ((0, 0), (width + 2, width + 2)))
     theta = threshold * (1.0 + 0.04 * rng.standard_normal(below.shape))
     level = below.copy()
     step_us = STEP_PX / speed_px_s * 1e6
@@ -110,11 +110,13 @@ def slide(
             continue
         at = width + 2 - whole
         here, before = slice(first + at, last + at), slice(first + at - 1, last + at - 1)
-        cover = (1 - share) * solid[:, here] + share * solid[:, before]
-        paint = (1 - share) * painted[:, here] + share * painted[:, before]
-        seen = paint + (1 - cover) * below[:, first:last]
+        cover = (1 - share) * opacity[:, here] + share * opacity[:, before]
+        value = (1 - share) * values[:, here] + share * values[:, before]
+        log_luminance = value + (1 - cover) * below[:, first:last]
         parts.append(
-            _fire(seen, level[:, first:last], theta[:, first:last], n * step_us, step_us, rng)
+            _fire(
+                log_luminance, level[:, first:last], theta[:, first:last], n * step_us, step_us, rng
+            )
         )
         parts[-1]["x"] += first
     events = np.concatenate(parts)
@@ -124,9 +126,14 @@ def slide(
 
 
 def _fire(
-    seen: F64, level: F64, theta: F64, start_us: float, step_us: float, rng: np.random.Generator
+    log_luminance: F64,
+    level: F64,
+    theta: F64,
+    start_us: float,
+    step_us: float,
+    rng: np.random.Generator,
 ) -> Events:
-    change = (seen - level) / theta
+    change = (log_luminance - level) / theta
     number = np.trunc(change).astype(int)
     level += number * theta
     ys, xs = np.nonzero(number)
@@ -145,7 +152,7 @@ def _fire(
 def noise(
     rate_hz: float, *, duration_us: int, seed: int = 0, width: int = WIDTH, height: int = HEIGHT
 ) -> Events:
-    """Poisson events of random polarity, `rate_hz` per pixel."""
+    """Return Poisson events of random polarity at `rate_hz` per pixel."""
     rng = np.random.default_rng(seed)
     number = rng.poisson(rate_hz * width * height * duration_us * 1e-6)
     return _scatter(
@@ -154,7 +161,7 @@ def noise(
 
 
 def hot_pixels(number: int, rate_hz: float, *, duration_us: int, seed: int = 0) -> Events:
-    """A few pixels that fire ON events at `rate_hz` each."""
+    """Return ON events of some pixels that fire at `rate_hz` each."""
     rng = np.random.default_rng(seed)
     counts = rng.poisson(rate_hz * duration_us * 1e-6, number)
     xs = np.repeat(rng.integers(0, WIDTH, number), counts)
@@ -174,15 +181,15 @@ def _scatter(rng: np.random.Generator, xs: Any, ys: Any, duration_us: int) -> Ev
 
 
 def merged(*streams: Events) -> Events:
-    """One sorted stream of several."""
+    """Merge several streams into one sorted stream."""
     events = np.concatenate(streams)
     return events[np.argsort(events["t"], kind="stable")]
 
 
 def turned(events: Events, direction: Direction, *, width: int, height: int) -> Events:
-    """A stream that moves right on a `width`×`height` image, turned to `direction`.
+    """Turn a stream that moves right on a `width`×`height` image to another direction.
 
-    Up and down exchange x with y, so their image is `height`×`width`.
+    Up and down exchange x and y, so that their image is `height`×`width`.
     """
     out = events.copy()
     if direction in (Direction.LEFT, Direction.UP):
@@ -193,21 +200,28 @@ def turned(events: Events, direction: Direction, *, width: int, height: int) -> 
 
 
 def crossing(
-    pattern: F64, *, speed_px_s: float, direction: Direction, lead_us: int = 0, flat: bool = False
+    pattern: F64,
+    *,
+    speed_px_s: float,
+    direction: Direction,
+    lead_us: int = 0,
+    plain_background: bool = False,
 ) -> tuple[Events, int]:
-    """A pattern that crosses the whole sensor, and how long it is in view [µs].
+    """Return the events of a pattern that crosses the sensor, and its time in view [µs].
 
-    It comes into view at time `lead_us` with its front.
+    The front of the pattern comes into view at `lead_us`.
     """
-    width, height = before_turning(direction)
-    rightward = _rightward(pattern.tobytes(), pattern.shape, speed_px_s, (width, height), flat)
+    width, height = size_before_turning(direction)
+    rightward = _rightward(
+        pattern.tobytes(), pattern.shape, speed_px_s, (width, height), plain_background
+    )
     events = turned(rightward, direction, width=width, height=height)
     events["t"] += lead_us
     return events, _in_view_us(pattern.shape[1], speed_px_s, width)
 
 
-def before_turning(direction: Direction) -> tuple[int, int]:
-    """Width and height of the image in which `turned` finds a stream that is to fit the sensor."""
+def size_before_turning(direction: Direction) -> tuple[int, int]:
+    """Return the size of the image from which `turned` makes a stream that fits the sensor."""
     upright = direction in (Direction.RIGHT, Direction.LEFT)
     return (WIDTH, HEIGHT) if upright else (HEIGHT, WIDTH)
 
@@ -218,7 +232,7 @@ def _in_view_us(length_px: int, speed_px_s: float, width: int) -> int:
 
 @lru_cache(maxsize=64)
 def _rightward(
-    data: bytes, shape: tuple[int, int], speed: float, size: tuple[int, int], flat: bool
+    data: bytes, shape: tuple[int, int], speed: float, size: tuple[int, int], plain_background: bool
 ) -> Events:
     width, height = size
     return slide(
@@ -227,5 +241,5 @@ def _rightward(
         start_px=-shape[1],
         top_px=(height - shape[0]) // 2,
         duration_us=_in_view_us(shape[1], speed, width),
-        background=np.zeros((height, width)) if flat else asphalt(height, width),
+        background=np.zeros((height, width)) if plain_background else asphalt(height, width),
     )

@@ -11,7 +11,7 @@ from flybench.events import Events
 @pytest.mark.parametrize(
     ("name", "angle_deg"), [("right", 0.0), ("down", 90.0), ("left", 180.0), ("up", -90.0)]
 )
-def test_zero_is_right_and_ninety_is_down(name: str, angle_deg: float) -> None:
+def test_angles_follow_the_convention(name: str, angle_deg: float) -> None:
     assert Direction(name).angle_deg == angle_deg
 
 
@@ -25,8 +25,8 @@ def test_the_fly_is_a_detector() -> None:
     assert not isinstance(detector, FrameDetector)
 
 
-class Watcher:
-    """Answers every frame with rightward motion, and looks at no events."""
+class FramesOnly:
+    """Reports rightward motion at every frame and ignores events."""
 
     def push(self, _: Events) -> list[MotionEstimate]:
         return []
@@ -38,7 +38,7 @@ class Watcher:
         return [MotionEstimate(t_us, 0.5, 0.0, Direction.RIGHT, 0.5, (1.0, 0.0), (0.0, 0.0), None)]
 
 
-def test_a_detector_of_frames_is_told_by_its_method() -> None:
-    watcher = Watcher()
-    assert isinstance(watcher, FrameDetector)
-    assert watcher.push_frame(5, np.zeros((260, 346), np.uint16))[0].t_us == 5
+def test_a_class_with_push_frame_is_a_frame_detector() -> None:
+    detector = FramesOnly()
+    assert isinstance(detector, FrameDetector)
+    assert detector.push_frame(5, np.zeros((260, 346), np.uint16))[0].t_us == 5

@@ -58,15 +58,15 @@ def test_accuracy_counts_none_as_wrong() -> None:
     assert accuracy(STEPS, Direction.RIGHT, crossing_us=CROSSING) == 0.25
 
 
-def test_accuracy_of_no_step_is_none() -> None:
+def test_accuracy_without_steps_is_none() -> None:
     assert accuracy(STEPS, Direction.UP, crossing_us=(70_000, 80_000)) is None
 
 
-def test_the_verdict_weighs_strength() -> None:
+def test_the_verdict_weighs_steps_by_strength() -> None:
     assert verdict(STEPS, crossing_us=CROSSING) is Direction.RIGHT
 
 
-def test_the_verdict_on_silence_is_none() -> None:
+def test_the_verdict_without_a_direction_is_none() -> None:
     assert verdict(STEPS[1:2], crossing_us=CROSSING) is Direction.NONE
 
 
@@ -75,28 +75,28 @@ def test_latency_is_measured_from_entry() -> None:
     assert onset_latency_us(STEPS, Direction.DOWN, crossing_us=CROSSING) is None
 
 
-def responding(*responses: tuple[float, float]) -> list[MotionEstimate]:
-    """Steps every 10 ms from 20 ms on."""
+def steps_with_responses(*responses: tuple[float, float]) -> list[MotionEstimate]:
+    """Return steps every 10 ms, the first at 20 ms."""
     return [
         estimate(20_000 + 10_000 * n, Direction.UP, response=r) for n, r in enumerate(responses)
     ]
 
 
-def test_grms_is_the_rms_slope_of_what_the_stronger_system_says() -> None:
-    steps = responding((0.0, 0.0), (5.0, 4.0), (5.0, -12.0), (-6.0, 3.0))
+def test_grms_is_the_rms_slope_of_the_stronger_system() -> None:
+    steps = steps_with_responses((0.0, 0.0), (5.0, 4.0), (5.0, -12.0), (-6.0, 3.0))
     squares = 500.0**2, (5.0**2 + 12.0**2) * 100.0**2, (12.0**2 + 6.0**2) * 100.0**2
     found = grms(steps, crossing_us=CROSSING, step_us=10_000)
     assert found == pytest.approx(math.sqrt(sum(squares) / 3))
 
 
-def test_grms_of_both_systems_takes_the_weaker_one_in() -> None:
-    steps = responding((0.0, 0.0), (4.0, 3.0), (4.0, 3.0))
+def test_grms_of_both_systems_includes_the_weaker_one() -> None:
+    steps = steps_with_responses((0.0, 0.0), (4.0, 3.0), (4.0, 3.0))
     both = grms(steps, crossing_us=CROSSING, of=GrmsOf.BOTH, step_us=10_000)
     assert both == pytest.approx(math.sqrt((500.0**2 + 0.0) / 2))
 
 
-def test_a_gradient_spans_a_step_or_the_next_longer_time_there_is() -> None:
-    steps = responding((0.0, 0.0), (9.0, 0.0), (1.0, 0.0))
+def test_a_gradient_spans_at_least_step_us() -> None:
+    steps = steps_with_responses((0.0, 0.0), (9.0, 0.0), (1.0, 0.0))
     assert grms(steps, crossing_us=CROSSING, step_us=20_000) == pytest.approx(50.0)
     assert grms(steps, crossing_us=CROSSING, step_us=15_000) == pytest.approx(50.0)
     assert grms(steps, crossing_us=CROSSING, step_us=1) == grms(
@@ -104,7 +104,7 @@ def test_a_gradient_spans_a_step_or_the_next_longer_time_there_is() -> None:
     )
 
 
-def test_grms_needs_two_steps_that_far_apart() -> None:
+def test_grms_needs_two_steps_that_are_step_us_apart() -> None:
     assert grms(STEPS[:2], crossing_us=CROSSING, step_us=10_000) is None
     assert grms(STEPS, crossing_us=CROSSING) is None
 

@@ -1,4 +1,4 @@
-"""Where nothing moves, the fly says none: noise of any rate, still scenes in any light."""
+"""If nothing moves, the fly gives no direction: in noise of any rate and at any illuminance."""
 
 from functools import cache
 
@@ -28,19 +28,19 @@ def share_of_none(found: list[MotionEstimate]) -> float:
 
 @pytest.mark.parametrize("preset", PRESETS)
 @pytest.mark.parametrize("rate_hz", [0.1, 1.0, 3.0, 5.0, 10.0, 20.0])
-def test_noise_alone_is_none(preset: str, rate_hz: float) -> None:
-    background = merged(
+def test_noise_alone_gives_none(preset: str, rate_hz: float) -> None:
+    events = merged(
         noise(rate_hz, duration_us=SECOND_US, seed=7),
         hot_pixels(20, 50, duration_us=SECOND_US, seed=8),
     )
-    found = estimates_of(preset, background)
+    found = estimates_of(preset, events)
     assert len(found) == 100
     assert share_of_none(found) >= 0.99
 
 
 @cache
 def still_street(lux: float) -> Events:
-    """A second of what a sensor with all its noise says."""
+    """Return one second of events of a still street from a sensor with all noise sources."""
     reflectance = 0.2 * np.exp(asphalt(260, 346, seed=3))
     luminance = (lux * reflectance / np.pi).astype(np.float32)
     sensor = EventSensor(SensorConfig(), seed=3)
@@ -51,7 +51,7 @@ def still_street(lux: float) -> Events:
 
 @pytest.mark.parametrize("preset", PRESETS)
 @pytest.mark.parametrize("lux", [0.1, 1.0, 10.0, 1_000.0, 100_000.0])
-def test_a_still_street_is_none_in_any_light(preset: str, lux: float) -> None:
+def test_a_still_street_gives_none_at_any_illuminance(preset: str, lux: float) -> None:
     events = still_street(lux)
     assert events.size > 1_000
     assert share_of_none(estimates_of(preset, events)) >= 0.99
@@ -59,9 +59,9 @@ def test_a_still_street_is_none_in_any_light(preset: str, lux: float) -> None:
 
 @cache
 def flickering_texture(depth: float, *, duration_us: int = 300_000) -> Events:
-    """A still texture of 20 to 180 cd/m² in light that goes up and down 100 times a second."""
-    drawn = np.random.default_rng(0).random((260, 346)).astype(np.float32)
-    texture = cv2.GaussianBlur(drawn, (0, 0), 2.0)
+    """Return events of a still texture of 20 to 180 cd/m² whose luminance flickers at 100 Hz."""
+    random = np.random.default_rng(0).random((260, 346)).astype(np.float32)
+    texture = cv2.GaussianBlur(random, (0, 0), 2.0)
     luminance = 200 * (0.1 + 0.8 * (texture - texture.min()) / np.ptp(texture))
     sensor, parts = EventSensor(SensorConfig(), seed=1), []
     for t_us in range(0, duration_us + 1, 1_000):
@@ -72,22 +72,24 @@ def flickering_texture(depth: float, *, duration_us: int = 300_000) -> Events:
 
 @pytest.mark.parametrize("preset", PRESETS)
 @pytest.mark.parametrize(("depth", "least"), [(0.1, 1.0), (0.2, 0.8)])
-def test_a_still_scene_in_flickering_light_is_none(preset: str, depth: float, least: float) -> None:
-    # At a depth of 0.2 the bus is full, and the rows are read one after another, downwards.
+def test_a_still_scene_in_flickering_light_gives_none(
+    preset: str, depth: float, least: float
+) -> None:
+    # At a depth of 0.2 the bus is saturated, and the arbiter reads row after row, downwards.
     events = flickering_texture(depth)
     assert events.size > (10_000 if depth == 0.1 else 1_000_000)
     assert share_of_none(estimates_of(preset, events, 300_000)) >= least
 
 
-def test_without_the_share_floor_flickering_light_seems_to_move() -> None:
+def test_without_the_share_floor_flickering_light_gives_directions() -> None:
     fly = FlyDetector(FlyConfig(share_floor=0.0))
     found = fly.push(flickering_texture(0.2)) + fly.advance(300_000)
     assert share_of_none(found) < 0.8
 
 
 @pytest.mark.parametrize("preset", PRESETS)
-def test_a_lone_flickering_spot_is_none(preset: str) -> None:
-    # 36 pixels that fire together at 100 Hz: strong, but it goes nowhere.
+def test_a_single_flickering_spot_gives_none(preset: str) -> None:
+    # 36 pixels fire together at 100 Hz: a strong response without motion.
     rows, columns = np.mgrid[100:106, 100:106]
     spot = np.zeros((36, 100), noise(0.1, duration_us=1).dtype)
     spot["t"] = np.arange(100) * 10_000

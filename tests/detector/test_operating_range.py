@@ -1,6 +1,6 @@
-"""How fast and how noisy: each preset inside the range that it states.
+"""The operating range in speed and noise that each preset states.
 
-The textures, places and noise are other than those on which the parameters were chosen.
+Textures, positions and noise differ from those on which the parameters were chosen.
 """
 
 from functools import lru_cache
@@ -15,22 +15,25 @@ from flybench.direction import CARDINAL, Direction
 from flybench.events import Events
 from tests.detector.stimuli import (
     asphalt,
-    before_turning,
     crossing,
     merged,
     noise,
+    size_before_turning,
     slide,
     textured_box,
     turned,
 )
 
 LENGTH_PX = 120
-AT_HOME_PX_S = (300, 620, 960)
+PAPER_SPEEDS_PX_S = (300, 620, 960)
 
 
 def passing(speed_px_s: float, direction: Direction, *, noise_hz: float) -> tuple[Events, int]:
-    """A textured box that passes: whole where it is fast, its middle part where it is slow."""
-    width, height = before_turning(direction)
+    """Return the events and duration of a passing textured box.
+
+    A fast box crosses the whole view, a slow one the middle part.
+    """
+    width, height = size_before_turning(direction)
     rightward, duration_us = _rightward(speed_px_s, width, height)
     events = turned(rightward, direction, width=width, height=height)
     return merged(
@@ -67,7 +70,7 @@ def after_100_ms(
     return [e for e in fly.push(events) + fly.advance(until_us) if e.t_us > 100_000]
 
 
-def share(found: list[MotionEstimate], direction: Direction) -> float:
+def share_with(found: list[MotionEstimate], direction: Direction) -> float:
     return float(np.mean([e.direction is direction for e in found]))
 
 
@@ -77,16 +80,16 @@ def share(found: list[MotionEstimate], direction: Direction) -> float:
 def test_wide_is_right_from_60_to_1500_px_s(
     speed_px_s: float, direction: Direction, noise_hz: float
 ) -> None:
-    assert share(after_100_ms("wide", speed_px_s, direction, noise_hz), direction) >= 0.95
+    assert share_with(after_100_ms("wide", speed_px_s, direction, noise_hz), direction) >= 0.95
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-@pytest.mark.parametrize("speed_px_s", AT_HOME_PX_S)
-def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
+@pytest.mark.parametrize("speed_px_s", PAPER_SPEEDS_PX_S)
+def test_wide_is_no_worse_in_the_range_of_the_paper_preset(
     speed_px_s: float, direction: Direction
 ) -> None:
     paper, wide = (
-        share(after_100_ms(preset, speed_px_s, direction, 5.0), direction)
+        share_with(after_100_ms(preset, speed_px_s, direction, 5.0), direction)
         for preset in ("paper", "wide")
     )
     assert paper >= 0.9
@@ -95,17 +98,17 @@ def test_wide_is_no_worse_where_the_paper_preset_is_at_home(
 
 @pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", [40, 90])
-def test_below_its_range_the_paper_preset_says_none_and_not_the_opposite(
+def test_below_its_range_the_paper_preset_gives_none_and_not_the_opposite(
     speed_px_s: float, direction: Direction
 ) -> None:
     found = after_100_ms("paper", speed_px_s, direction, 1.0)
-    assert share(found, direction) + share(found, Direction.NONE) >= 0.95
+    assert share_with(found, direction) + share_with(found, Direction.NONE) >= 0.95
 
 
 @pytest.mark.parametrize("preset", ["paper", "wide"])
-def test_the_floor_costs_less_than_a_point_on_what_moves(preset: str) -> None:
-    with_floor, without = [], []
-    for speed_px_s in AT_HOME_PX_S:
+def test_the_floors_cost_less_than_a_point_on_moving_targets(preset: str) -> None:
+    with_floors, without = [], []
+    for speed_px_s in PAPER_SPEEDS_PX_S:
         for direction in CARDINAL:
             found = after_100_ms(preset, speed_px_s, direction, 5.0)
             strongest = [
@@ -114,9 +117,9 @@ def test_the_floor_costs_less_than_a_point_on_what_moves(preset: str) -> None:
                 else (Direction.DOWN if e.vs > 0 else Direction.UP)
                 for e in found
             ]
-            with_floor.append(share(found, direction))
+            with_floors.append(share_with(found, direction))
             without.append(np.mean([s is direction for s in strongest]))
-    assert np.mean(without) - np.mean(with_floor) < 0.01
+    assert np.mean(without) - np.mean(with_floors) < 0.01
 
 
 @pytest.mark.parametrize("direction", [Direction.RIGHT, Direction.UP])

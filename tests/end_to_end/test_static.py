@@ -1,4 +1,4 @@
-"""A street where nothing moves, seen by a sensor without noise, gives no event."""
+"""A noise-free sensor gives no events while nothing in the scene moves."""
 
 import pytest
 
@@ -7,12 +7,12 @@ from sim import Crossing, CrossingConfig, Lighting
 
 
 @pytest.mark.parametrize("lighting", list(Lighting))
-def test_a_static_street_without_noise_gives_no_event(lighting: Lighting) -> None:
+def test_a_static_scene_without_noise_gives_no_events(lighting: Lighting) -> None:
     crossing = Crossing(CrossingConfig(lighting=lighting))
     sensor = EventSensor(SensorConfig.noise_free(), seed=0)
-    with crossing.full_frames() as draw:
+    with crossing.full_frame_renderer() as render:
         middle_us = crossing.duration_us // 2
-        outputs = [sensor.step(k * 5_000, draw(middle_us)) for k in range(20)]
+        outputs = [sensor.step(k * 5_000, render(middle_us)) for k in range(20)]
         assert sum(output.events.size for output in outputs) == 0
-        moved = sensor.step(105_000, draw(middle_us + 20_000))
+        moved = sensor.step(105_000, render(middle_us + 20_000))
     assert moved.events.size > 100

@@ -47,3 +47,23 @@ def test_it_is_the_command_too() -> None:
         [sys.executable, "-m", "flybench", "--version"], capture_output=True, text=True
     )
     assert done.stdout == f"flybench {flybench.__version__}\n"
+
+
+def without(library: str, script: str) -> subprocess.CompletedProcess[str]:
+    """Run a script where a library is not installed."""
+    blocked = f"import sys; sys.modules[{library!r}] = None; {script}"
+    return subprocess.run([sys.executable, "-c", blocked], capture_output=True, text=True)
+
+
+def test_the_command_names_a_library_that_is_missing() -> None:
+    done = without("tyro", "from flybench.__main__ import main; main()")
+    assert done.returncode == 1
+    assert done.stderr == (
+        "flybench: the command needs the library tyro, which is not installed. "
+        "Install all that it needs with: pip install 'flybench[all]'\n"
+    )
+
+
+def test_a_name_whose_library_is_missing_says_so() -> None:
+    done = without("mujoco", "import flybench; flybench.FlyDetector; flybench.Crossing")
+    assert "flybench.Crossing needs the library mujoco, which is not installed." in done.stderr

@@ -9,7 +9,7 @@ from flybench import sources
 from flybench.sources import LUMINANCE, ROOT, SWEEP_POINT, sources_digest
 
 PACKAGES = {"flybench", "sim", "emulator", "detector", "formats", "scenarios"}
-NO_RESULT = ("scenarios/errors.py", "scenarios/output", "scenarios/sweep/code.py")
+NO_RESULT = ("scenarios/errors.py", "scenarios/output", "scenarios/sweep/point_key.py")
 """What measuring imports, and no result depends on."""
 
 

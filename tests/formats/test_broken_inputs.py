@@ -1,7 +1,4 @@
-"""The inputs that once broke something, each kept as the test that it does so no more.
-
-What the generated tests of `test_fuzz` and `test_writers` find is written down here by hand.
-"""
+"""Regression tests: inputs that once caused an error, most found by the generated tests."""
 
 import signal
 import zlib
@@ -13,15 +10,15 @@ import pytest
 
 from flybench.events import Events
 from formats import FormatError, open_events, read_events, write_events
-from formats.columns import Options
-from formats.isolated_reader import Guard
-from tests.formats.samples import SIZE, make, some_events
+from formats.columns import ReadOptions
+from formats.isolated_reader import IsolatedReader
+from tests.formats.sample_files import SIZE, make_file, random_events
 
 W, H = SIZE
-E = some_events(200)
+E = random_events(200)
 
 
-def two_gigabytes_of_nothing() -> bytes:
+def two_gigabytes_of_zeros_compressed() -> bytes:
     packer = zlib.compressobj(1)
     first, more = (
         packer.compress(bytes(1 << 24)) + packer.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
@@ -29,15 +26,15 @@ def two_gigabytes_of_nothing() -> bytes:
     return first + 127 * more + packer.flush()
 
 
-def test_promises_of_gigabytes_are_not_kept(tmp_path: Path) -> None:
-    nothing = two_gigabytes_of_nothing()
+def test_headers_that_claim_gigabytes_allocate_nothing(tmp_path: Path) -> None:
+    zeros = two_gigabytes_of_zeros_compressed()
     header = np.lib.format.magic(1, 0)
     text = b"{'descr': '<i8', 'fortran_order': False, 'shape': (10000000000, 4), }\n"
     (tmp_path / "a.npy").write_bytes(header + len(text).to_bytes(2, "little") + text)
     with h5py.File(tmp_path / "a.h5", "w") as file:
         for name in "txyp":
             file.create_dataset(f"events/{name}", (10**12,), "i8", chunks=(1 << 20,))
-    aedat4 = make(tmp_path, "a.aedat4", E).read_bytes()
+    aedat4 = make_file(tmp_path, "a.aedat4", E).read_bytes()
     packet = 18 + int.from_bytes(aedat4[14:18], "little")
     grown = aedat4[: packet + 4] + (2**31 - 1).to_bytes(4, "little") + aedat4[packet + 8 :]
     (tmp_path / "a.aedat4").write_bytes(grown)
@@ -48,21 +45,21 @@ def test_promises_of_gigabytes_are_not_kept(tmp_path: Path) -> None:
             data = file.create_dataset(
                 f"events/{name}", (1 << 28,), "i8", chunks=(1 << 28,), compression="gzip"
             )
-            data.id.write_direct_chunk((0,), nothing)
-    for name, says in (
-        ("b.npy", "promises -32 bytes"),
+            data.id.write_direct_chunk((0,), zeros)
+    for name, message in (
+        ("b.npy", "should contain -32 bytes"),
         ("b.h5", "damaged in events|more than 1 GB"),
-        ("a.npy", "promises 320000000000 bytes"),
-        ("a.h5", "promises 1000000000000 events"),
+        ("a.npy", "should contain 320000000000 bytes"),
+        ("a.h5", "should contain 1000000000000 events"),
         ("a.aedat4", f"packet at byte {packet}"),
     ):
-        with pytest.raises(FormatError, match=says):
+        with pytest.raises(FormatError, match=message):
             read_events(tmp_path / name)
 
 
 @pytest.mark.parametrize("last_us", [3, 16_777_215, 20_000_000, 200_000_000, 5_000_000_000])
-def test_evt3_clock_turns(tmp_path: Path, last_us: int) -> None:
-    path, events = tmp_path / "a.raw", some_events(2)
+def test_evt3_clock_overflows(tmp_path: Path, last_us: int) -> None:
+    path, events = tmp_path / "a.raw", random_events(2)
     events["t"] = 0, last_us
     write_events(path, [events], width=W, height=H)
     assert np.array_equal(read_events(path), events)
@@ -70,25 +67,29 @@ def test_evt3_clock_turns(tmp_path: Path, last_us: int) -> None:
 
 @pytest.mark.parametrize("line", [b"2 2 \xff 1", b"2 2 \0 1", b"2 2 3 1 \xc2"])
 @pytest.mark.parametrize("size", [SIZE, None])
-def test_stray_bytes_in_text(tmp_path: Path, line: bytes, size: tuple[int, int] | None) -> None:
+def test_stray_bytes_in_text_are_refused(
+    tmp_path: Path, line: bytes, size: tuple[int, int] | None
+) -> None:
     (tmp_path / "a.txt").write_bytes(b"1 2 3 1\n" + line + b"\n")
     with pytest.raises(FormatError, match=r"line at byte 8|none of the formats"):
         read_events(tmp_path / "a.txt", size=size)
 
 
-@pytest.mark.parametrize("says_size", [True, False])
+@pytest.mark.parametrize("states_size", [True, False])
 @pytest.mark.parametrize("name", ["a.csv", "a.txt"])
-def test_cut_text_gives_what_comes_before(tmp_path: Path, name: str, says_size: bool) -> None:
-    path = make(tmp_path, name, E)
+def test_truncated_text_gives_the_events_before(
+    tmp_path: Path, name: str, states_size: bool
+) -> None:
+    path = make_file(tmp_path, name, E)
     data = path.read_bytes().rstrip()
-    if not says_size:
+    if not states_size:
         data = data.split(b"\n", 1)[1]
     path.write_bytes(data[: data.rindex(b"\n") + 3])
     with open_events(path) as file:
         assert (file.width, file.height) == SIZE
-        assert file.size_from == ("the file" if says_size else "the events")
+        assert file.size_from == ("the file" if states_size else "the events")
         got: list[Events] = []
-        with pytest.raises(FormatError, match="may have been cut"):
+        with pytest.raises(FormatError, match="may be truncated"):
             got.extend(chunk.events for chunk in file)
     assert np.array_equal(np.concatenate(got), E[:-1])
 
@@ -97,29 +98,29 @@ def test_cut_text_gives_what_comes_before(tmp_path: Path, name: str, says_size: 
     ("name", "length"),
     [("evt3.raw", 40), ("evt2.raw", 5), ("a.aedat4", 1), ("a.npz", 1), ("a.dat", 13), ("a.h5", 3)],
 )
-def test_a_file_cut_in_its_header_is_not_taken_for_text(
+def test_a_file_truncated_in_its_header_is_not_taken_for_text(
     tmp_path: Path, name: str, length: int
 ) -> None:
-    path = make(tmp_path, name, E)
+    path = make_file(tmp_path, name, E)
     path.write_bytes(path.read_bytes()[:length])
-    with pytest.raises(FormatError, match=rf"bytes: {length}.*cut in its header"):
+    with pytest.raises(FormatError, match=rf"bytes: {length}.*truncated in its header"):
         read_events(path)
 
 
-def test_an_aedat4_cut_in_its_table_holds_all_events(tmp_path: Path) -> None:
-    path = make(tmp_path, "a.aedat4", E)
-    whole = path.read_bytes()
-    path.write_bytes(whole[:-1])
+def test_an_aedat4_truncated_in_its_packet_table_has_all_events(tmp_path: Path) -> None:
+    path = make_file(tmp_path, "a.aedat4", E)
+    complete = path.read_bytes()
+    path.write_bytes(complete[:-1])
     assert np.array_equal(read_events(path), E)
-    path.write_bytes(whole[:-10])
-    with pytest.raises(FormatError, match=r"table of its packets.*head -c \d+$") as caught:
+    path.write_bytes(complete[:-10])
+    with pytest.raises(FormatError, match=r"packet table.*head -c \d+$") as caught:
         read_events(path)
-    path.write_bytes(whole[: int(str(caught.value).split()[-1])])  # as the sentence says
+    path.write_bytes(complete[: int(str(caught.value).split()[-1])])  # as the message advises
     assert np.array_equal(read_events(path), E)
 
 
 @pytest.mark.parametrize("text", ["# 346 260\nt,x", "# 346 2", "#"])
-def test_csv_cut_in_its_header(tmp_path: Path, text: str) -> None:
+def test_csv_truncated_in_its_header_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(FormatError, match="no line of numbers"):
         read_events(tmp_path / "a.csv")
@@ -132,18 +133,18 @@ def test_a_wrong_polarity_is_not_taken_for_an_undistorted_x(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("number", "says"),
+    ("number", "message"),
     [
-        (signal.SIGKILL, "to be read; it is damaged"),
-        (signal.SIGABRT, "or its reader gave up"),
-        (signal.SIGSEGV, "stopped its reader"),
+        (signal.SIGKILL, "to be read. It is damaged"),
+        (signal.SIGABRT, "or its parser aborted"),
+        (signal.SIGSEGV, "crashed its parser"),
     ],
 )
-def test_a_reader_that_dies_is_a_sentence(
-    tmp_path: Path, number: signal.Signals, says: str
+def test_a_parser_that_dies_raises_a_format_error(
+    tmp_path: Path, number: signal.Signals, message: str
 ) -> None:
-    path = make(tmp_path, "a.txt", E)
-    with Guard(path, "text", Options()) as guard:
-        guard._process.send_signal(number)
-        with pytest.raises(FormatError, match=says):
-            list(guard.messages())
+    path = make_file(tmp_path, "a.txt", E)
+    with IsolatedReader(path, "text", ReadOptions()) as reader:
+        reader._process.send_signal(number)
+        with pytest.raises(FormatError, match=message):
+            list(reader.messages())

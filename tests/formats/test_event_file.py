@@ -1,4 +1,4 @@
-"""Reading what others write."""
+"""Read files of every format."""
 
 import gzip
 import os
@@ -10,42 +10,48 @@ import pytest
 
 from flybench.events import EVENT_DTYPE, check_events
 from formats import FormatError, open_events, read_events
-from formats.columns import RAW_DTYPE
-from tests.formats.samples import MAKERS, SIZE, hdf5, make, some_events, some_frames
+from formats.columns import PARSED_DTYPE
+from tests.formats.sample_files import (
+    FILE_MAKERS,
+    SIZE,
+    make_file,
+    make_hdf5,
+    random_events,
+    random_frames,
+)
 
 
-def test_the_parsers_events_are_ours() -> None:
-    assert RAW_DTYPE == EVENT_DTYPE
+def test_the_parser_and_flybench_have_the_same_event_dtype() -> None:
+    assert PARSED_DTYPE == EVENT_DTYPE
 
 
-@pytest.mark.parametrize("name", MAKERS)
-def test_every_format_is_found_and_read_under_any_ending(tmp_path: Path, name: str) -> None:
-    events = some_events()
-    path = make(tmp_path, name, events).rename(tmp_path / "recording.xyz")
-    says_no_size = {"a.npy"}
-    size = SIZE if name in says_no_size else None
+@pytest.mark.parametrize("name", FILE_MAKERS)
+def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) -> None:
+    events = random_events()
+    path = make_file(tmp_path, name, events).rename(tmp_path / "recording.xyz")
+    size = SIZE if name == "a.npy" else None  # which does not state it
     with open_events(path, size=size) as file:
         chunks = list(file)
-        found = file.found
+        statistics = file.statistics
     assert (file.width, file.height) == SIZE
     assert file.size_from == ("the option" if size else "the file")
     got = np.concatenate([chunk.events for chunk in chunks])
     assert np.array_equal(got, events)
     check_events(got, width=346, height=260)
-    assert (found.events, found.on) == (events.size, int(events["p"].sum()))
-    assert (found.first_us, found.last_us) == (events["t"][0], events["t"][-1])
-    assert found.rate_hz == pytest.approx(events.size / np.ptp(events["t"]) * 1e6)
-    assert (found.x_min, found.x_max) == (events["x"].min(), events["x"].max())
+    assert (statistics.events, statistics.on) == (events.size, int(events["p"].sum()))
+    assert (statistics.first_us, statistics.last_us) == (events["t"][0], events["t"][-1])
+    assert statistics.rate_hz == pytest.approx(events.size / np.ptp(events["t"]) * 1e6)
+    assert (statistics.x_min, statistics.x_max) == (events["x"].min(), events["x"].max())
     frames = [frame for chunk in chunks for frame in chunk.frames]
-    assert len(frames) == found.frames == (3 if name == "a.aedat4" else 0)
+    assert len(frames) == statistics.frames == (3 if name == "a.aedat4" else 0)
     assert file.has_frames == bool(frames)
-    for frame, written in zip(frames, some_frames(), strict=False):
+    for frame, written in zip(frames, random_frames(), strict=False):
         assert (frame.start_us, frame.end_us) == (written.start_us, written.end_us)
         assert np.array_equal(frame.image, written.image)
 
 
 def test_a_frame_comes_with_the_events_that_reach_its_end(tmp_path: Path) -> None:
-    path = make(tmp_path, "a.aedat4", some_events(100_000, last_us=90_000))
+    path = make_file(tmp_path, "a.aedat4", random_events(100_000, last_us=90_000))
     with open_events(path) as file:
         reached = -1
         for chunk in file:
@@ -53,13 +59,13 @@ def test_a_frame_comes_with_the_events_that_reach_its_end(tmp_path: Path) -> Non
             assert all(frame.end_us <= reached for frame in chunk.frames)
 
 
-E = some_events(200)
+E = random_events(200)
 SECONDS = E["t"] / 1e6
 METAVISION = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")])
 
 
 @pytest.mark.parametrize(
-    ("things", "where"),
+    ("data_sets", "location"),
     [
         ({f"events__{name}": E[name] for name in "txyp"}, "events"),
         ({"events__ts": SECONDS, "events__ps": E["p"] * 2 - 1, "events__xs": E["x"],
@@ -74,20 +80,20 @@ METAVISION = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")])
     ids=["DSEC", "e2vid", "M3ED", "MVSEC", "Metavision"],
 )  # fmt: skip
 def test_hdf5_of_the_common_data_sets(
-    tmp_path: Path, things: dict[str, object], where: str
+    tmp_path: Path, data_sets: dict[str, object], location: str
 ) -> None:
-    path = hdf5(tmp_path / "a.h5", **things)
+    path = make_hdf5(tmp_path / "a.h5", **data_sets)
     with open_events(path) as file:
-        assert (file.width, file.height) == SIZE  # said, or nearly filled by the events
-        assert file.what_it_says["events in"] == where
+        assert (file.width, file.height) == SIZE  # stated, or inferred from the events
+        assert file.header_facts["events in"] == location
         got = np.concatenate([chunk.events for chunk in file])
-    if where.startswith("davis"):  # a wall clock, in doubles
+    if location.startswith("davis"):  # wall-clock time as floating-point numbers
         assert file.origin_us == 1_500_000_000_000_000 + E["t"][0]
         got["t"] += E["t"][0]
     assert np.array_equal(got, E)
 
 
-def test_what_compresses_hdf5_is_named(tmp_path: Path) -> None:
+def test_a_missing_hdf5_filter_is_named(tmp_path: Path) -> None:
     space = h5py.h5s.create_simple((10,), (10,))
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_chunk((10,))
@@ -99,7 +105,7 @@ def test_what_compresses_hdf5_is_named(tmp_path: Path) -> None:
         open_events(tmp_path / "a.h5")
 
 
-def test_blosc_is_read(tmp_path: Path) -> None:
+def test_blosc_compressed_hdf5_is_read(tmp_path: Path) -> None:
     import hdf5plugin
 
     with h5py.File(tmp_path / "a.h5", "w") as file:
@@ -122,7 +128,7 @@ def test_blosc_is_read(tmp_path: Path) -> None:
         ('"timestamp [ns]","x","y","on"\n3000,10,20,1\n7000,11,21,0\n9000,12,20,1\n', (3, 7, 9)),
     ],
 )
-def test_text_in_its_many_ways(tmp_path: Path, text: str, times: tuple[int, ...]) -> None:
+def test_variants_of_text_are_read(tmp_path: Path, text: str, times: tuple[int, ...]) -> None:
     path = tmp_path / "a.txt"
     path.write_bytes(text.encode())
     got = read_events(path, size=SIZE)
@@ -132,7 +138,7 @@ def test_text_in_its_many_ways(tmp_path: Path, text: str, times: tuple[int, ...]
     assert got["p"].tolist() == [True, False, True]
 
 
-def test_the_user_knows_better(tmp_path: Path) -> None:
+def test_options_override_what_the_file_states(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("10 20 1 3\n11 21 0 7\n")
     assert read_events(path, size=(40, 30), format="text", time_unit="ms")["t"].tolist() == [
@@ -141,7 +147,7 @@ def test_the_user_knows_better(tmp_path: Path) -> None:
     ]
 
 
-def test_dvs128_addresses_are_turned_round_as_jaer_does(tmp_path: Path) -> None:
+def test_dvs128_addresses_are_flipped_as_in_jaer(tmp_path: Path) -> None:
     path = tmp_path / "a.aedat"
     address = (100 << 8) | (3 << 1) | 0
     records = np.array([(address, 5), (address | 1, 2**32 - 1), (address, 4)], ">u4,>u4")
@@ -152,100 +158,102 @@ def test_dvs128_addresses_are_turned_round_as_jaer_does(tmp_path: Path) -> None:
     assert got["x"].tolist() == [124] * 3
     assert got["y"].tolist() == [27] * 3
     assert got["p"].tolist() == [True, False, True]
-    assert got["t"].tolist() == [5, 2**32 - 1, 2**32 + 4]  # its 32 bits turned over
+    assert got["t"].tolist() == [5, 2**32 - 1, 2**32 + 4]  # its 32-bit clock overflowed
 
 
-def test_halves_of_evt21_may_be_swapped(tmp_path: Path) -> None:
-    path = make(tmp_path, "evt21.raw", E)
+def test_evt21_with_swapped_halves_is_read(tmp_path: Path) -> None:
+    path = make_file(tmp_path, "evt21.raw", E)
     header, data = path.read_bytes().split(b"% end\n")
     swapped = np.frombuffer(data, "<u4").reshape(-1, 2)[:, ::-1].tobytes()
     path.write_bytes(header + b"% end\n" + swapped)
     assert np.array_equal(read_events(path), E)
 
 
-def test_a_file_is_read_once(tmp_path: Path) -> None:
-    with open_events(make(tmp_path, "a.txt", E)) as file:
+def test_a_file_can_be_read_only_once(tmp_path: Path) -> None:
+    with open_events(make_file(tmp_path, "a.txt", E)) as file:
         assert sum(chunk.events.size for chunk in file) == E.size
-        with pytest.raises(FormatError, match="open it again"):
+        with pytest.raises(FormatError, match="Open it again"):
             next(iter(file))
 
 
-def test_memory_does_not_grow_with_the_file(tmp_path: Path) -> None:
-    path = make(tmp_path, "a.npy", np.zeros(5_000_000, EVENT_DTYPE))
+def test_memory_does_not_grow_with_the_length_of_the_file(tmp_path: Path) -> None:
+    path = make_file(tmp_path, "a.npy", np.zeros(5_000_000, EVENT_DTYPE))
     with open_events(path, size=SIZE) as file:
-        worker = file._guard._process.pid
-        most = longest = 0
+        parser = file._reader._process.pid
+        peak_kb = longest = 0
         for chunk in file:
-            status = Path(f"/proc/{worker}/status")
+            status = Path(f"/proc/{parser}/status")
             text = status.read_text() if status.exists() else ""
-            most = max(
-                [most, *(int(line.split()[1]) for line in text.splitlines() if "VmRSS" in line)]
+            peak_kb = max(
+                [peak_kb, *(int(line.split()[1]) for line in text.splitlines() if "VmRSS" in line)]
             )
             longest = max(longest, chunk.events.size)
-        assert file.found.events == 5_000_000
+        assert file.statistics.events == 5_000_000
     assert longest <= 1 << 18
-    assert most < 150_000  # kB; the file has 65 MB, an idle worker about 60
+    assert peak_kb < 150_000  # the file has 65 MB, an idle parser process about 60 MB
 
 
-def saved(path: Path, array: np.ndarray) -> None:
+def save_array(path: Path, array: np.ndarray) -> None:
     with path.open("wb") as file:
         np.save(file, array)
 
 
 @pytest.mark.parametrize(
-    ("make_it", "says"),
+    ("create", "message"),
     [
         (lambda _: None, "does not exist"),
         (lambda p: p.mkdir(), "is a folder"),
         (lambda p: p.touch(), "is empty"),
-        (lambda p: os.mkfifo(p), "no ordinary file"),
+        (lambda p: os.mkfifo(p), "not a regular file"),
         (lambda p: p.write_bytes(bytes(range(200, 256)) * 9), "none of the formats"),
         (lambda p: p.write_bytes(gzip.compress(b"3 1 1 1")), "gunzip"),
-        (lambda p: p.write_bytes(b"#!AER-DAT1.0\r\n"), "convert it"),
+        (lambda p: p.write_bytes(b"#!AER-DAT1.0\r\n"), "Convert it"),
         (lambda p: p.write_text("no events here"), "no line of numbers"),
         (lambda p: p.write_text("1 2 3\n4 5 6\n"), "3 columns"),
-        (lambda p: p.write_text("t,x,y\n1,2,3,4\n"), "name t, x, y and p"),
-        (lambda p: p.write_text("t,x,y,p\n"), "holds no events"),
+        (lambda p: p.write_text("t,x,y\n1,2,3,4\n"), "name every column"),
+        (lambda p: p.write_text("t,x,y,p\n"), "contains no events"),
         (lambda p: p.write_text("1 2 3 1\n2 2 x 1\n"), "line at byte 8 is '2 2 x 1'"),
-        (lambda p: p.write_bytes(b"% evt 3.0\n% end\n\0\x80"), "size; give it with --size"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 3"), "may have been cut"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 3 1\n1 2 3 1\n"), "event 2 has the time 1 µs"),
-        (lambda p: p.write_text("9 9\n1 2 3 1\n2 10 3 1\n"), "x = 10.0; allowed is 0 to 8"),
+        (lambda p: p.write_bytes(b"% evt 3.0\n% end\n\0\x80"), "State it with --size"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 3"), "may be truncated"),
+        (lambda p: p.write_text("1 2 3 1\n2 2 3 1\n1 2 3 1\n"), "event 2 has the timestamp 1 µs"),
+        (lambda p: p.write_text("9 9\n1 2 3 1\n2 10 3 1\n"), "x = 10.0. Allowed is 0 to 8"),
         (lambda p: p.write_text("1 2 3 1\n2 2 3 7\n"), "p = 7.0"),
-        (lambda p: p.write_text("1 2.5 3 1\n2 2 3 1\n"), "not whole"),
+        (lambda p: p.write_text("1 2.5 3 1\n2 2 3 1\n"), "Allowed is a whole number"),
         (lambda p: p.write_text("nan 2 3 1\n2 2 3 1\n"), "nan 2 3 1"),
-        (lambda p: p.write_text("99999999999999999999 2 3 1\n"), "no number of us"),
-        (lambda p: saved(p, np.zeros((3, 5))), "4 a row"),
-        (lambda p: saved(p, np.array([None])), "Python objects"),
-        (lambda p: hdf5(p, images=np.zeros(3)), "holds no events"),
-        (lambda p: hdf5(p, t=[1, 2], x=[1, 2], y=[1, 2], p=[1]), "must be as many"),
+        (lambda p: p.write_text("99999999999999999999 2 3 1\n"), "not a finite number of us"),
+        (lambda p: save_array(p, np.zeros((3, 5))), "4 columns"),
+        (lambda p: save_array(p, np.array([None])), "Python objects"),
+        (lambda p: make_hdf5(p, images=np.zeros(3)), "contains no events"),
+        (lambda p: make_hdf5(p, t=[1, 2], x=[1, 2], y=[1, 2], p=[1]), "equal length"),
     ],
 )  # fmt: skip
-def test_bad_files_are_one_sentence(tmp_path: Path, make_it: object, says: str) -> None:
+def test_unreadable_files_raise_a_one_line_error(
+    tmp_path: Path, create: object, message: str
+) -> None:
     path = tmp_path / "bad"
-    make_it(path)  # type: ignore[operator]
-    with pytest.raises(FormatError, match=says) as caught:
+    create(path)  # type: ignore[operator]
+    with pytest.raises(FormatError, match=message) as caught:
         read_events(path)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_wrong_options_are_refused(tmp_path: Path) -> None:
-    path = make(tmp_path, "a.txt", E)
-    for options, says in (
-        ({"format": "aedat5"}, "allowed is one of aedat4"),
+    path = make_file(tmp_path, "a.txt", E)
+    for options, message in (
+        ({"format": "aedat5"}, "Allowed is one of aedat4"),
         ({"size": (0, 5)}, "0x5"),
-        ({"time_unit": "min"}, "allowed is s, ms, us, ns"),
-        ({"format": "hdf5"}, "cut or damaged"),
+        ({"time_unit": "min"}, "Allowed is one of s, ms, us, ns"),
+        ({"format": "hdf5"}, "truncated or damaged"),
     ):
-        with pytest.raises(FormatError, match=says):
+        with pytest.raises(FormatError, match=message):
             read_events(path, **options)
 
 
-def test_a_missing_library_is_named_with_its_command(
+def test_a_missing_library_is_named_with_the_install_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = make(tmp_path, "evt3.raw", E)
+    path = make_file(tmp_path, "evt3.raw", E)
     (tmp_path / "without").mkdir()
     (tmp_path / "without" / "faery.py").write_text("raise ImportError('not here')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "without"))
@@ -253,11 +261,13 @@ def test_a_missing_library_is_named_with_its_command(
         read_events(path)
 
 
-def test_a_davis_as_dv_records_it(tmp_path: Path) -> None:
+def test_a_recording_of_dv_is_read(tmp_path: Path) -> None:
     import dv_processing as dv
 
-    clock_us, events = 1_700_000_000_000_000, some_events()
-    config = dv.io.MonoCameraWriter.DAVISConfig("DAVIS346_00000001", SIZE)  # motion, triggers too
+    clock_us, events = 1_700_000_000_000_000, random_events()
+    config = dv.io.MonoCameraWriter.DAVISConfig(
+        "DAVIS346_00000001", SIZE
+    )  # with streams for IMU samples and triggers
     writer = dv.io.MonoCameraWriter(str(tmp_path / "dv.aedat4"), config)
     store = dv.EventStore()
     for t, x, y, p in events.tolist():
@@ -273,6 +283,8 @@ def test_a_davis_as_dv_records_it(tmp_path: Path) -> None:
     assert file.origin_us == clock_us + first_us
     assert (file.width, file.height) == SIZE
     assert np.array_equal(chunks[0].events["t"], events["t"] - first_us)
-    (frame,) = (frame for chunk in chunks for frame in chunk.frames)  # one began too early
+    (frame,) = (
+        frame for chunk in chunks for frame in chunk.frames
+    )  # the other began before the first event
     assert (frame.start_us, frame.end_us) == (40_000 - first_us, 49_000 - first_us)
     assert np.array_equal(frame.image, image.astype(np.uint16) * 4)

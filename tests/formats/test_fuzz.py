@@ -1,4 +1,4 @@
-"""Broken files: whatever their bytes are, the answer is events or one sentence."""
+"""Generated damaged files: the result is always events or a one-line error."""
 
 from io import BytesIO
 from pathlib import Path
@@ -8,23 +8,23 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from formats import FormatError, open_events
-from formats.columns import Options
-from formats.identify import FORMATS, format_of
-from formats.parser_process import MESSAGE, answer
-from tests.formats.samples import MAKERS, SIZE, make, some_events
+from formats.columns import ReadOptions
+from formats.identify import FORMATS, identify_format
+from formats.parser_process import MESSAGE, parse
+from tests.formats.sample_files import FILE_MAKERS, SIZE, make_file, random_events
 
-IN_C = ("a.aedat4", "a.h5", "evt3.raw", "evt2.raw", "a.dat", "a.es")
-"""Files that libraries decode, which may end the process that they run in."""
+DECODED_BY_LIBRARIES = ("a.aedat4", "a.h5", "evt3.raw", "evt2.raw", "a.dat", "a.es")
+"""Files that native libraries decode, which may crash their process."""
 
-OURS = tuple(sorted(set(MAKERS) - set(IN_C)))
+DECODED_BY_FLYBENCH = tuple(sorted(set(FILE_MAKERS) - set(DECODED_BY_LIBRARIES)))
 
 
 @st.composite
-def broken(draw: st.DrawFn, whole: bytes) -> bytes:
-    """A file that was cut, or in which bytes were changed, taken out or put in."""
+def damaged(draw: st.DrawFn, intact: bytes) -> bytes:
+    """Return the bytes of a file, truncated or with bytes changed, removed or inserted."""
     if draw(st.booleans()):
-        return whole[: draw(st.integers(0, len(whole)))] or b"\0"
-    data = bytearray(whole)
+        return intact[: draw(st.integers(0, len(intact)))] or b"\0"
+    data = bytearray(intact)
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, min(len(data), draw(st.sampled_from([200, 1 << 30])))))
         new = draw(st.binary(max_size=6) | st.sampled_from([b"\xff" * 4, b"\xff\xff\xff\x7f"]))
@@ -33,58 +33,62 @@ def broken(draw: st.DrawFn, whole: bytes) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def wholes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    folder = tmp_path_factory.mktemp("whole")
-    return {name: make(folder, name, some_events(40)).read_bytes() for name in MAKERS}
+def intact_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("intact")
+    return {name: make_file(folder, name, random_events(40)).read_bytes() for name in FILE_MAKERS}
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.filterwarnings("ignore::ResourceWarning")  # a worker ends, and closes all, by itself
-@pytest.mark.parametrize("name", OURS)
+@pytest.mark.filterwarnings(
+    "ignore::ResourceWarning"
+)  # a parser process closes its files when it ends
+@pytest.mark.parametrize("name", DECODED_BY_FLYBENCH)
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_our_own_parsers(
-    tmp_path: Path, wholes: dict[str, bytes], name: str, data: st.DataObject
+def test_parsers_of_flybench(
+    tmp_path: Path, intact_files: dict[str, bytes], name: str, data: st.DataObject
 ) -> None:
-    path = tmp_path / "broken"
-    path.write_bytes(data.draw(broken(wholes[name])))
+    path = tmp_path / "damaged"
+    path.write_bytes(data.draw(damaged(intact_files[name])))
     try:
-        found = format_of(path)
+        name = identify_format(path)
     except FormatError as error:
-        check_sentence(str(error), path)
+        check_error_message(str(error), path)
         return
-    if found in ("aedat4", "hdf5", "evt3", "evt2", "dat", "es"):
+    if name in ("aedat4", "hdf5", "evt3", "evt2", "dat", "es"):
         return
     out = BytesIO()
-    answer(path, found, Options(SIZE), out)
+    parse(path, name, ReadOptions(SIZE), out)
     check_messages(out.getvalue(), path)
 
 
-@pytest.mark.parametrize("name", IN_C)
+@pytest.mark.parametrize("name", DECODED_BY_LIBRARIES)
 @settings(max_examples=4, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_the_libraries_parsers(
-    tmp_path: Path, wholes: dict[str, bytes], name: str, data: st.DataObject
+def test_parsers_of_libraries(
+    tmp_path: Path, intact_files: dict[str, bytes], name: str, data: st.DataObject
 ) -> None:
-    path = tmp_path / "broken"
-    path.write_bytes(data.draw(broken(wholes[name])))
+    path = tmp_path / "damaged"
+    path.write_bytes(data.draw(damaged(intact_files[name])))
     try:
         with open_events(path, size=SIZE) as file:
             assert file.format in FORMATS
             for chunk in file:
                 assert chunk.events.size <= 1 << 18
     except FormatError as error:
-        check_sentence(str(error), path)
+        check_error_message(str(error), path)
 
 
-def test_a_first_pass_says_that_it_is_at_work(tmp_path: Path, wholes: dict[str, bytes]) -> None:
+def test_a_first_pass_sends_working_messages(
+    tmp_path: Path, intact_files: dict[str, bytes]
+) -> None:
     path, out = tmp_path / "a.csv", BytesIO()
-    path.write_bytes(wholes["a.csv"].split(b"\n", 1)[1])  # without the line of the size
-    answer(path, "text", Options(), out)
+    path.write_bytes(intact_files["a.csv"].split(b"\n", 1)[1])  # without its size
+    parse(path, "text", ReadOptions(), out)
     assert out.getvalue().startswith(MESSAGE.pack(b"W", 0))
 
 
-def check_sentence(text: str, path: Path) -> None:
+def check_error_message(text: str, path: Path) -> None:
     assert str(path) in text
     assert "\n" not in text
     assert "Traceback" not in text
@@ -97,6 +101,6 @@ def check_messages(stream: bytes, path: Path) -> None:
         content = stream[at + MESSAGE.size : at + MESSAGE.size + length]
         at += MESSAGE.size + length
         if kind == b"X":
-            check_sentence(content.decode(), path)
+            check_error_message(content.decode(), path)
     assert at == len(stream)
     assert kind in (b"X", b"Z")

@@ -1,4 +1,4 @@
-"""Writing, read back by ourselves and by libraries that did not write it."""
+"""Write files of every format, and read them back with flybench and with other libraries."""
 
 from pathlib import Path
 
@@ -21,23 +21,23 @@ from formats import (
     read_events,
     write_events,
 )
-from tests.formats.samples import SIZE, some_events, some_frames
+from tests.formats.sample_files import SIZE, random_events, random_frames
 
 W, H = SIZE
 ALL = sorted(ENDINGS)
 FAERY = np.dtype([("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")])
 
 
-def of_aedat(path: Path) -> Events:
+def read_with_aedat(path: Path) -> Events:
     packets = [packet["events"] for packet in aedat.Decoder(path) if "events" in packet]
-    theirs = np.concatenate(packets)
-    events = np.zeros(theirs.size, EVENT_DTYPE)
-    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
-        events[ours] = theirs[name]
+    decoded = np.concatenate(packets)
+    events = np.zeros(decoded.size, EVENT_DTYPE)
+    for column, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[column] = decoded[name]
     return events
 
 
-def of_h5py(path: Path) -> Events:
+def read_with_h5py(path: Path) -> Events:
     with h5py.File(path) as file:
         events = np.zeros(file["events/t"].size, EVENT_DTYPE)
         for name in "txyp":
@@ -49,20 +49,20 @@ def of_h5py(path: Path) -> Events:
     return events
 
 
-def of_faery(path: Path) -> Events:
+def read_with_faery(path: Path) -> Events:
     from faery.extension import evt
 
     with evt.Decoder(path, None, None) as decoder:
         assert (decoder.version, decoder.dimensions) == ("evt3", SIZE)
         packets = [packet["events"] for packet in decoder if "events" in packet]
-    theirs = np.concatenate([np.zeros(0, FAERY), *packets])
-    events = np.zeros(theirs.size, EVENT_DTYPE)
-    for ours, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
-        events[ours] = theirs[name]
+    decoded = np.concatenate([np.zeros(0, FAERY), *packets])
+    events = np.zeros(decoded.size, EVENT_DTYPE)
+    for column, name in zip("txyp", ("t", "x", "y", "on"), strict=True):
+        events[column] = decoded[name]
     return events
 
 
-def of_loadtxt(path: Path) -> Events:
+def read_with_loadtxt(path: Path) -> Events:
     in_seconds = path.suffix == ".txt"
     table = np.loadtxt(path, delimiter=None if in_seconds else ",", skiprows=1 if in_seconds else 2)
     events = np.zeros(len(table), EVENT_DTYPE)
@@ -71,7 +71,7 @@ def of_loadtxt(path: Path) -> Events:
     return events
 
 
-def of_numpy(path: Path) -> Events:
+def read_with_numpy(path: Path) -> Events:
     with np.load(path) as arrays:
         assert (arrays["width"], arrays["height"]) == SIZE
         events = np.zeros(arrays["t"].size, EVENT_DTYPE)
@@ -80,34 +80,34 @@ def of_numpy(path: Path) -> Events:
     return events
 
 
-OTHERS = {
-    ".aedat4": of_aedat,
-    ".h5": of_h5py,
-    ".raw": of_faery,
-    ".txt": of_loadtxt,
-    ".csv": of_loadtxt,
-    ".npz": of_numpy,
+OTHER_READERS = {
+    ".aedat4": read_with_aedat,
+    ".h5": read_with_h5py,
+    ".raw": read_with_faery,
+    ".txt": read_with_loadtxt,
+    ".csv": read_with_loadtxt,
+    ".npz": read_with_numpy,
 }
 
 
-@pytest.mark.parametrize("ending", OTHERS)
-def test_a_second_library_reads_the_same(tmp_path: Path, ending: str) -> None:
-    path, events = tmp_path / f"a{ending}", some_events(5000, last_us=40_000_000)
+@pytest.mark.parametrize("ending", OTHER_READERS)
+def test_another_library_reads_the_same_events(tmp_path: Path, ending: str) -> None:
+    path, events = tmp_path / f"a{ending}", random_events(5000, last_us=40_000_000)
     write_events(path, np.split(events, [0, 1, 700, 4000]), width=W, height=H)
-    assert np.array_equal(OTHERS[ending](path), events)
+    assert np.array_equal(OTHER_READERS[ending](path), events)
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
-def test_a_second_library_reads_the_frames(tmp_path: Path) -> None:
+def test_other_libraries_read_the_frames(tmp_path: Path) -> None:
     path = tmp_path / "a.aedat4"
     chunks = [
-        Chunk(some_events(), tuple(some_frames()[:1])),
-        Chunk(some_events(0), tuple(some_frames()[1:])),
+        Chunk(random_events(), tuple(random_frames()[:1])),
+        Chunk(random_events(0), tuple(random_frames()[1:])),
     ]
     write_events(path, chunks, width=W, height=H)
-    assert np.array_equal(of_aedat(path), some_events())
-    theirs = [packet["frame"] for packet in aedat.Decoder(path) if "frame" in packet]
-    for frame, other in zip(some_frames(), theirs, strict=True):
+    assert np.array_equal(read_with_aedat(path), random_events())
+    decoded = [packet["frame"] for packet in aedat.Decoder(path) if "frame" in packet]
+    for frame, other in zip(random_frames(), decoded, strict=True):
         assert (frame.start_us, frame.end_us) == (
             other["exposure_begin_t"],
             other["exposure_end_t"],
@@ -117,7 +117,7 @@ def test_a_second_library_reads_the_frames(tmp_path: Path) -> None:
 
     recording = dv_processing.io.MonoCameraRecording(str(path))
     assert tuple(recording.getEventResolution()) == SIZE
-    assert np.array_equal(recording.getNextFrame().image, some_frames()[0].image)
+    assert np.array_equal(recording.getNextFrame().image, random_frames()[0].image)
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
@@ -127,8 +127,10 @@ def test_a_second_library_reads_the_frames(tmp_path: Path) -> None:
     steps=st.lists(st.sampled_from([0, 1, 4095, 4096, 16_777_215, 50_331_648]), max_size=8),
     cuts=st.lists(st.integers(0, 8), max_size=3).map(sorted),
 )
-def test_round_trip(tmp_path: Path, ending: str, steps: list[int], cuts: list[int]) -> None:
-    path, events = tmp_path / f"a{ending}", some_events(len(steps))
+def test_events_survive_a_round_trip(
+    tmp_path: Path, ending: str, steps: list[int], cuts: list[int]
+) -> None:
+    path, events = tmp_path / f"a{ending}", random_events(len(steps))
     events["t"] = np.cumsum(steps)
     write_events(path, np.split(events, cuts), width=W, height=H)
     assert np.array_equal(read_events(path, size=SIZE), events)
@@ -139,27 +141,27 @@ def test_round_trip(tmp_path: Path, ending: str, steps: list[int], cuts: list[in
     times=st.lists(st.integers(0, 20_000), max_size=200).map(sorted),
     cuts=st.lists(st.integers(0, 200), max_size=5).map(sorted),
 )
-def test_dsec_and_its_index(tmp_path: Path, times: list[int], cuts: list[int]) -> None:
-    path, events = tmp_path / "a.h5", some_events(len(times))
+def test_the_index_of_dsec_is_right(tmp_path: Path, times: list[int], cuts: list[int]) -> None:
+    path, events = tmp_path / "a.h5", random_events(len(times))
     events["t"] = times
     write_events(path, np.split(events, cuts), width=W, height=H)
-    assert np.array_equal(of_h5py(path), events)  # which compares the index
+    assert np.array_equal(read_with_h5py(path), events)  # compares the index too
 
 
-def fail_midway(path: Path) -> None:
+def write_half_and_fail(path: Path) -> None:
     with open_writer(path, width=W, height=H) as writer:
-        writer.write(some_events())
+        writer.write(random_events())
         if writer.takes_frames:
-            writer.write_frame(some_frames()[0])
+            writer.write_frame(random_frames()[0])
         raise ZeroDivisionError
 
 
 @pytest.mark.parametrize("ending", ALL)
-def test_whole_or_absent(tmp_path: Path, ending: str) -> None:
+def test_a_failed_write_keeps_the_old_file(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"a{ending}"
     path.write_bytes(b"before")
     with pytest.raises(ZeroDivisionError):
-        fail_midway(path)
+        write_half_and_fail(path)
     assert path.read_bytes() == b"before"
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
@@ -174,47 +176,47 @@ def test_whole_or_absent(tmp_path: Path, ending: str) -> None:
     cuts=st.lists(st.integers(0, 20), max_size=3).map(sorted),
 )
 def test_evt3_keeps_every_time(tmp_path: Path, steps: list[int], cuts: list[int]) -> None:
-    path, events = tmp_path / "a.raw", some_events(len(steps))
+    path, events = tmp_path / "a.raw", random_events(len(steps))
     events["t"] = np.cumsum(steps)
     write_events(path, np.split(events, cuts), width=W, height=H)
-    assert np.array_equal(of_faery(path), events)
+    assert np.array_equal(read_with_faery(path), events)
 
 
 @pytest.mark.parametrize("ending", ALL)
-def test_a_recording_without_events(tmp_path: Path, ending: str) -> None:
+def test_a_recording_without_events_is_written(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"a{ending}"
     write_events(path, [], width=W, height=H)
     with open_events(path, size=SIZE) as file:
         assert [chunk.events.size for chunk in file] == []
-        assert file.found.rate_hz == file.found.on_share == 0
+        assert file.statistics.rate_hz == file.statistics.on_share == 0
 
 
-def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
-    for name, size, says in (
-        ("a.mp4", SIZE, "ends in .mp4; allowed is .aedat4"),
-        ("nowhere/a.txt", SIZE, "there is no folder"),
+def test_invalid_output_is_refused(tmp_path: Path) -> None:
+    for name, size, message in (
+        ("a.mp4", SIZE, "ends in .mp4. Allowed is one of .aedat4"),
+        ("nowhere/a.txt", SIZE, "does not exist. Create it"),
         ("a.raw", (2049, 5), "1 to 2048"),
         ("a.h5", (0, 5), "0x5"),
     ):
-        with pytest.raises(FormatError, match=says):
+        with pytest.raises(FormatError, match=message):
             open_writer(tmp_path / name, width=size[0], height=size[1])
     with pytest.raises(FormatError, match="is a folder"):
         open_writer(tmp_path, width=W, height=H, format="text")
-    with pytest.raises(FormatError, match="allowed is one of aedat4"):
+    with pytest.raises(FormatError, match="Allowed is one of aedat4"):
         open_writer(tmp_path / "a", width=W, height=H, format="bag")
     with open_writer(tmp_path / "a.h5", width=W, height=H) as writer:
-        writer.write(some_events())
+        writer.write(random_events())
         with pytest.raises(FormatError, match="comes after"):
-            writer.write(some_events())
-        with pytest.raises(FormatError, match="cannot hold frames"):
-            writer.write_frame(some_frames()[0])
-        bad = some_events(1)
+            writer.write(random_events())
+        with pytest.raises(FormatError, match="a format without frames"):
+            writer.write_frame(random_frames()[0])
+        bad = random_events(1)
         bad["x"] = 346
         with pytest.raises(FormatError, match="x = 346"):
             writer.write(bad)
-        late = some_events(1)
+        late = random_events(1)
         late["t"] = 10**11
-        with pytest.raises(FormatError, match="subtract the first time"):
+        with pytest.raises(FormatError, match="Subtract the time"):
             writer.write(late)
     with open_writer(tmp_path / "a.aedat4", width=W, height=H) as writer:
         small = ApsFrame(start_us=0, end_us=1, image=np.zeros((4, 5), np.uint16))
@@ -230,12 +232,14 @@ def write_to_a_full_disk(path: Path) -> None:
         spools = writer._spools  # type: ignore[attr-defined]
         spools["t"].close()
         spools["t"] = full
-        writer.write(some_events())
+        writer.write(random_events())
 
 
-def test_no_permission_and_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_write_protected_folder_and_a_full_disk_are_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("os.access", lambda *_: False)
-    with pytest.raises(FormatError, match="allows it not"):
+    with pytest.raises(FormatError, match="write-protected"):
         open_writer(tmp_path / "a.txt", width=W, height=H)
     monkeypatch.undo()
     with pytest.raises(FormatError, match="No space left"):

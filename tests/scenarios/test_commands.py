@@ -1,4 +1,4 @@
-"""The small commands: doctor, and what a sweep prints."""
+"""The small commands: doctor, run, demo and velocity-sweep."""
 
 import csv
 import json
@@ -20,28 +20,28 @@ from sim.errors import RendererError
 from sim.render.vulkan import INSTALL_COMMAND, VulkanDevice
 
 
-def test_doctor_names_device_and_rate(
+def test_doctor_shows_device_and_speed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(doctor, "FRAMES", 2)
     assert Doctor().execute() == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in ("Vulkan device", "per second", "mujoco", "Nothing is missing"):
-        assert words in said
+        assert words in printed
 
 
-def test_doctor_says_what_to_install(
+def test_doctor_names_what_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def none() -> list[VulkanDevice]:
+    def no_devices() -> list[VulkanDevice]:
         return []
 
-    monkeypatch.setattr(doctor, "vulkan_devices", none)
+    monkeypatch.setattr(doctor, "vulkan_devices", no_devices)
     assert Doctor().execute() == 1
     assert INSTALL_COMMAND in capsys.readouterr().out
 
 
-def test_a_machine_without_vulkan_gets_a_sentence(
+def test_without_vulkan_a_run_ends_with_an_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr("sim.render.vulkan.ctypes.util.find_library", lambda _: None)
@@ -51,7 +51,7 @@ def test_a_machine_without_vulkan_gets_a_sentence(
     assert issubclass(RendererError, ValueError)
 
 
-def test_speed_and_omega_are_two_names_of_one_thing() -> None:
+def test_speed_and_angular_velocity_agree() -> None:
     by_speed = Run(speed_km_h=40).config().crossing.omega_rad_s
     assert by_speed == pytest.approx(1.61, abs=0.01)
     at_night = Run(lighting="night", speed_km_h=40).config().crossing
@@ -66,15 +66,15 @@ def test_parameters_have_dotted_names() -> None:
     assert parameters["seed"] == 3
 
 
-def test_a_sweep_prints_truth_and_estimate_and_writes_what_it_is_asked_to(
+def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     sweep = VelocitySweep(omegas=(2.42,), step_px=8.0, supersample=1, seeds=2, out=out)
     assert sweep.execute() == 0
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in ("2.42", "right", "moving right, method fly, seeds: 2"):
-        assert words in said
+        assert words in printed
     assert {path.name for path in out.iterdir()} == {
         "velocities.csv",
         "grms.png",
@@ -87,27 +87,27 @@ def test_a_sweep_prints_truth_and_estimate_and_writes_what_it_is_asked_to(
     assert {(row["direction"], row["method"], row["truth"]) for row in rows} == {
         ("right", "fly", "right")
     }
-    assert len({row["grms"] for row in rows}) == 2  # one light, two sensors
+    assert len({row["grms"] for row in rows}) == 2  # one rendering, two sensors
     summary = json.loads((out / "summary.json").read_text())
     assert summary["spearman"] == {"day": {"0": None, "1": None}}
 
 
 @pytest.mark.parametrize("seeds", [0, 101])
-def test_a_sweep_of_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
+def test_a_velocity_sweep_with_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
     with pytest.raises(ScenarioError, match=f"--seeds is {seeds}; allowed is 1 to 100"):
         VelocitySweep(seeds=seeds).execute()
 
 
 @pytest.mark.parametrize("command", [VelocitySweep, Run, Demo])
-def test_an_unknown_method_is_refused_before_anything_is_drawn(
+def test_an_unknown_method_is_refused_before_rendering(
     command: type[VelocitySweep | Run | Demo], tmp_path: Path
 ) -> None:
-    with pytest.raises(MethodError, match="'bee'; allowed is fly"):
+    with pytest.raises(MethodError, match=r"'bee'\. Allowed is fly"):
         command(method="bee", out=tmp_path / "out").execute()
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_has_one_column_for_each_run(capsys: pytest.CaptureFixture[str]) -> None:
     def summary(latency_ms: float | None) -> dict[str, object]:
         return {
             "truth": {
@@ -138,7 +138,7 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
         }
 
     print_runs([(Path("logs/a"), summary(50.0)), (Path("logs/b"), summary(None))])
-    said = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in (
         "1,234,567",
         "mine:Own",
@@ -149,4 +149,4 @@ def test_the_table_shows_runs_side_by_side(capsys: pytest.CaptureFixture[str]) -
         "logs/b/recording.rrd",
         "3.5 s",
     ):
-        assert words in said
+        assert words in printed

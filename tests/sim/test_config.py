@@ -28,7 +28,7 @@ from sim.config import DISTANCE_M, Lighting
         ("step_px", True),
     ],
 )
-def test_a_bad_value_is_named_with_what_is_allowed(field: str, value: Any) -> None:
+def test_a_message_names_value_and_range(field: str, value: Any) -> None:
     with pytest.raises(SceneConfigError) as refusal:
         CrossingConfig(**{field: value})
     message = str(refusal.value)

@@ -1,4 +1,4 @@
-"""The photometric camera on models that flybench has no part in."""
+"""The photometric camera on models that are not street scenes."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +10,7 @@ import pytest
 
 from emulator import EventSensor, SensorConfig
 from sim import PhotometricCamera, RendererError, SceneConfigError, open_model
-from sim.photometric_camera import A_LIGHT
+from sim.photometric_camera import EXAMPLE_LIGHT
 from sim.scene.assets import ASSETS
 
 SIZE: dict[str, Any] = {"width": 64, "height": 48}
@@ -30,7 +30,7 @@ BALL = '<body pos="9 9 1"><freejoint/><geom size=".1"/></body>'
 
 
 def room(
-    light: str = A_LIGHT, more: str = BALL, rgba: str = "1 1 1", text: str = LINEAR
+    light: str = EXAMPLE_LIGHT, more: str = BALL, rgba: str = "1 1 1", text: str = LINEAR
 ) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(ROOM.format(light=light, more=more, rgba=rgba, text=text))
 
@@ -46,13 +46,13 @@ def eye(pendulum: mujoco.MjModel) -> Iterator[PhotometricCamera]:
         yield camera
 
 
-def drawn_aside(model: mujoco.MjModel) -> mujoco.MjData:
+def raised_pendulum(model: mujoco.MjModel) -> mujoco.MjData:
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     return data
 
 
-def test_the_readmes_example(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     model = open_model(ASSETS / "pendulum.xml")
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -67,29 +67,29 @@ def test_the_readmes_example(capsys: pytest.CaptureFixture[str]) -> None:
     assert int(lines[-1].split()[2]) > 20
 
 
-def test_a_physics_run_makes_events_where_the_pendulum_swings(
+def test_events_of_a_physics_run_are_where_the_pendulum_swings(
     pendulum: mujoco.MjModel, eye: PhotometricCamera
 ) -> None:
     sensor = EventSensor(SensorConfig.noise_free(width=173, height=130), seed=0)
-    data, seen = drawn_aside(pendulum), np.zeros((130, 173), np.int64)
+    data, counts = raised_pendulum(pendulum), np.zeros((130, 173), np.int64)
     for _ in range(12):
         mujoco.mj_step(pendulum, data, nstep=10)
         moving = eye.visible(data).body == pendulum.body("pendulum").id
         events = sensor.step(round(data.time * 1e6), eye.luminance(data)).events
-        np.add.at(seen, (events["y"], events["x"]), 1)
+        np.add.at(counts, (events["y"], events["x"]), 1)
         assert moving.any()
-    assert seen.sum() > 500
-    assert seen[:, :20].sum() < 0.02 * seen.sum()  # drawn aside to the left, but not so far
-    assert seen[:20, 100:].sum() == 0
+    assert counts.sum() > 500
+    assert (
+        counts[:, :20].sum() < 0.02 * counts.sum()
+    )  # it starts on the left, but not that far left
+    assert counts[:20, 100:].sum() == 0
 
 
-def test_depth_is_exact_and_what_rays_find(
-    pendulum: mujoco.MjModel, eye: PhotometricCamera
-) -> None:
-    data = drawn_aside(pendulum)
+def test_depth_agrees_with_ray_casting(pendulum: mujoco.MjModel, eye: PhotometricCamera) -> None:
+    data = raised_pendulum(pendulum)
     depth = eye.depth_m(data)
     mujoco.mj_forward(pendulum, data)
-    place, axes = data.cam_xpos[0], data.cam_xmat[0].reshape(3, 3)
+    position, axes = data.cam_xpos[0], data.cam_xmat[0].reshape(3, 3)
     hits = 0
     for row, column in [(65, 86), (100, 40), (120, 140), (10, 10), (34, 47)]:
         x = (column + 0.5 - 86.5) / eye.intrinsics.focal_px
@@ -97,27 +97,31 @@ def test_depth_is_exact_and_what_rays_find(
         ray = axes @ np.array([x, -y, -1.0])
         length = np.linalg.norm(ray)
         geom = np.zeros(1, np.int32)
-        distance = mujoco.mj_ray(pendulum, data, place, ray / length, None, 1, -1, geom)
+        distance = mujoco.mj_ray(pendulum, data, position, ray / length, None, 1, -1, geom)
         if distance < 0:
             assert np.isinf(depth[row, column])
         else:
             hits += 1
-            assert depth[row, column] == pytest.approx(distance / length, rel=2e-3)  # facets
+            assert depth[row, column] == pytest.approx(
+                distance / length, rel=2e-3
+            )  # curved surfaces are faceted
     assert hits >= 3
 
 
-def test_flow_follows_from_the_velocities(pendulum: mujoco.MjModel, eye: PhotometricCamera) -> None:
+def test_flow_follows_from_joint_velocities(
+    pendulum: mujoco.MjModel, eye: PhotometricCamera
+) -> None:
     """Every point of the pendulum moves at ω × r about its hinge; nothing else moves."""
-    data = drawn_aside(pendulum)
+    data = raised_pendulum(pendulum)
     data.qvel[:] = 2.0
     flow, visible = eye.flow_px_s(data), eye.visible(data)
-    mine = visible.body == pendulum.body("pendulum").id
-    assert np.abs(flow[~mine]).max() < 1e-3
-    assert mine.sum() > 200
+    on_pendulum = visible.body == pendulum.body("pendulum").id
+    assert np.abs(flow[~on_pendulum]).max() < 1e-3
+    assert on_pendulum.sum() > 200
     mujoco.mj_forward(pendulum, data)
     axes = data.cam_xmat[0].reshape(3, 3) * [1, -1, -1]  # columns right, down, forward
-    rows, columns = np.nonzero(mine)
-    focal, depth = eye.intrinsics.focal_px, 1 / visible.nearness[mine].astype(np.float64)
+    rows, columns = np.nonzero(on_pendulum)
+    focal, depth = eye.intrinsics.focal_px, 1 / visible.nearness[on_pendulum].astype(np.float64)
     x, y = (columns + 0.5 - 86.5) / focal, (rows + 0.5 - 65) / focal
     places = (
         data.cam_xpos[0] + (np.stack([x, y, np.ones(len(x))], axis=1) * depth[:, None]) @ axes.T
@@ -126,11 +130,11 @@ def test_flow_follows_from_the_velocities(pendulum: mujoco.MjModel, eye: Photome
     expected = np.stack(
         [velocity[:, 0] - x * velocity[:, 2], velocity[:, 1] - y * velocity[:, 2]], axis=1
     )
-    assert flow[mine] == pytest.approx(expected * (focal / depth)[:, None], abs=1e-3)
+    assert flow[on_pendulum] == pytest.approx(expected * (focal / depth)[:, None], abs=1e-3)
 
 
-def test_the_data_stays_as_it_is(pendulum: mujoco.MjModel, eye: PhotometricCamera) -> None:
-    data = drawn_aside(pendulum)
+def test_the_data_is_not_changed(pendulum: mujoco.MjModel, eye: PhotometricCamera) -> None:
+    data = raised_pendulum(pendulum)
     mujoco.mj_step(pendulum, data)
     before = data.xpos.copy(), data.qpos.copy(), data.cam_xpos.copy()
     first = eye.luminance(data)
@@ -155,30 +159,32 @@ def test_a_lambertian_floor_reads_lux_times_reflectance_over_pi(
 ) -> None:
     model = room(rgba=rgba, text=text)
     with PhotometricCamera(model, "down", **SIZE) as camera:
-        seen = camera.luminance(mujoco.MjData(model))
-    # Besides, every dielectric has a faint gloss: some hundredths of the light.
-    assert 1000 * reflectance < seen.mean() * np.pi < 1000 * (reflectance + 0.015)
+        luminance = camera.luminance(mujoco.MjData(model))
+    # Every dielectric also has a faint gloss, which reflects a few per cent.
+    assert 1000 * reflectance < luminance.mean() * np.pi < 1000 * (reflectance + 0.015)
 
 
 def test_a_spots_intensity_is_in_candela_and_the_diffuse_colour_scales_it() -> None:
-    """E = I / h² below a spot; of MuJoCo's default diffuse, 0.7 of it."""
+    """E = I / h² below a spot, and 0.7 times that with MuJoCo's default diffuse colour."""
     spot = '<light type="spot" pos="0 0 5" dir="0 0 -1" cutoff="60" range="50" {} intensity="100"/>'
-    seen = []
+    illuminance = []
     for diffuse in ('diffuse="1 1 1"', ""):
         model = room(light=spot.format(diffuse))
         with PhotometricCamera(model, "down", **SIZE) as camera:
-            seen.append(camera.luminance(mujoco.MjData(model))[24, 32] * np.pi)
-    assert seen == pytest.approx([100 / 25, 0.7 * 100 / 25], rel=0.03)
+            illuminance.append(camera.luminance(mujoco.MjData(model))[24, 32] * np.pi)
+    assert illuminance == pytest.approx([100 / 25, 0.7 * 100 / 25], rel=0.03)
 
 
-@pytest.mark.parametrize("light", ["", "<light/>", A_LIGHT.replace("/>", ' active="false"/>')])
-def test_a_model_without_photometric_light_is_refused_with_one_to_add(light: str) -> None:
+@pytest.mark.parametrize(
+    "light", ["", "<light/>", EXAMPLE_LIGHT.replace("/>", ' active="false"/>')]
+)
+def test_the_error_for_a_model_without_light_proposes_one(light: str) -> None:
     with pytest.raises(SceneConfigError, match='intensity="1000"/>') as refused:
         PhotometricCamera(room(light=light), "down", **SIZE)
-    assert A_LIGHT in str(refused.value)
+    assert EXAMPLE_LIGHT in str(refused.value)
 
 
-def test_a_model_in_which_nothing_moves_is_refused_unless_that_is_wanted() -> None:
+def test_a_model_in_which_nothing_can_move_is_refused_unless_accepted() -> None:
     model = room(more="")
     with pytest.raises(SceneConfigError, match="nothing in the model can move"):
         PhotometricCamera(model, "down", **SIZE)
@@ -186,26 +192,31 @@ def test_a_model_in_which_nothing_moves_is_refused_unless_that_is_wanted() -> No
         assert camera.luminance(mujoco.MjData(model)).std() < 10
 
 
-def test_files_that_are_missing_are_named(tmp_path: Path) -> None:
+def test_errors_name_missing_files(tmp_path: Path) -> None:
     path = tmp_path / "scene.xml"
     with pytest.raises(SceneConfigError, match=r"scene\.xml"):
         open_model(path)
     path.write_text(
         '<mujoco><asset><texture name="t" type="2d" file="bark.png"/></asset></mujoco>', "utf-8"
     )
-    with pytest.raises(SceneConfigError, match=r"scene\.xml: .*bark\.png.*put the file there"):
+    with pytest.raises(
+        SceneConfigError, match=r"scene\.xml: .*bark\.png.*put the missing file there"
+    ):
         open_model(path)
 
 
 def test_data_of_another_model_is_refused(eye: PhotometricCamera) -> None:
-    with pytest.raises(SceneConfigError, match="has 7 positions; allowed is the 1"):
+    with pytest.raises(SceneConfigError, match=r"has 7 positions\. Allowed is 1, "):
         eye.depth_m(mujoco.MjData(room()))
 
 
-def test_a_field_of_heights_has_light_but_no_depth() -> None:
+def test_a_height_field_has_luminance_but_no_depth() -> None:
     height_field = '<hfield name="h" nrow="4" ncol="4" size="1 1 1 .1"/>'
     xml = ROOM.format(
-        light=A_LIGHT, more=BALL + '<geom type="hfield" hfield="h"/>', rgba="1 1 1", text=LINEAR
+        light=EXAMPLE_LIGHT,
+        more=BALL + '<geom type="hfield" hfield="h"/>',
+        rgba="1 1 1",
+        text=LINEAR,
     ).replace("</asset>", f"{height_field}</asset>")
     model = mujoco.MjModel.from_xml_string(xml)
     with PhotometricCamera(model, "down", **SIZE) as camera:
@@ -214,15 +225,15 @@ def test_a_field_of_heights_has_light_but_no_depth() -> None:
             camera.depth_m(mujoco.MjData(model))
 
 
-def test_a_closed_camera_says_so(pendulum: mujoco.MjModel) -> None:
+def test_reading_a_closed_camera_is_refused(pendulum: mujoco.MjModel) -> None:
     with PhotometricCamera(pendulum, "eye", **SIZE) as camera:
         pass
     with pytest.raises(RendererError, match="closed"):
-        camera.luminance(drawn_aside(pendulum))
+        camera.luminance(raised_pendulum(pendulum))
 
 
 class LostDevice:
-    """Stands for a context whose device answers no more: no pixel is ever written."""
+    """A renderer context whose device no longer responds: it never writes a pixel."""
 
     def __init__(self, error: Exception | None) -> None:
         self._error = error
@@ -236,20 +247,20 @@ class LostDevice:
 
 
 @pytest.mark.parametrize("error", [None, RuntimeError("VK_ERROR_DEVICE_LOST")])
-def test_a_device_that_is_lost_half_way_is_told_in_a_sentence(
+def test_a_device_lost_during_a_run_is_reported(
     pendulum: mujoco.MjModel, error: Exception | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    data = drawn_aside(pendulum)
+    data = raised_pendulum(pendulum)
     with PhotometricCamera(pendulum, "eye", **SIZE) as camera:
-        whole = camera.luminance(data)
+        before = camera.luminance(data)
         with monkeypatch.context() as lost:
             lost.setattr(camera._renderer, "_context", LostDevice(error))
-            with pytest.raises(RendererError, match="Vulkan device gave no frame"):
+            with pytest.raises(RendererError, match="Vulkan device delivered no frame"):
                 camera.luminance(data)
-        assert np.array_equal(camera.luminance(data), whole)
+        assert np.array_equal(camera.luminance(data), before)
 
 
-def test_no_device_at_all_is_told_with_what_to_install(
+def test_the_error_for_a_missing_device_says_what_to_install(
     pendulum: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sim.render.vulkan.vulkan_devices", list)
@@ -257,17 +268,17 @@ def test_no_device_at_all_is_told_with_what_to_install(
         PhotometricCamera(pendulum, "eye", **SIZE)
 
 
-def test_a_camera_that_follows_a_body_follows_it() -> None:
-    """Down on the floor from 2 m over a ball that rises by 1 m."""
+def test_a_tracking_camera_moves_with_its_body() -> None:
+    """It looks down at the floor from 2 m above a ball that rises by 1 m."""
     follower = '<camera name="follower" mode="trackcom" pos="0 0 2" fovy="10"/>'
     model = room(more=BALL.replace("<freejoint/>", f"<freejoint/>{follower}"))
     data = mujoco.MjData(model)
     with PhotometricCamera(model, "follower", **SIZE) as camera:
-        before = camera.depth_m(data).max()  # finite: no crack along the floor's diagonal
+        before = camera.depth_m(data).max()  # finite: no gap along the floor's diagonal
         data.qpos[2] += 1.0
         data.qvel[2] = 3.0
         after, flow = camera.depth_m(data).max(), camera.flow_px_s(data)
     assert (before, after) == pytest.approx((3.0, 4.0), rel=1e-4)
-    # The floor recedes at 3 m/s: its corner, at slope s, comes nearer by f·s·v/Z.
+    # The floor recedes at 3 m/s: a point at slope s moves inwards at f·s·v/Z.
     corner = np.array([0.5 - 32, 0.5 - 24])
     assert flow[0, 0] == pytest.approx(-corner * 3.0 / 4.0, rel=1e-3)

@@ -1,1 +1,1 @@
-"""The experiments of the data sheet, one file each."""
+"""The experiments of the data sheet, one file each; `measure` in each returns its section."""

@@ -1,15 +1,15 @@
-"""The readout: how many events it passes on, how late, and how many it loses.
+"""The readout: how many events it carries, with what delay, and how many it loses.
 
-Every pixel flickers with a phase of its own, so that events come at a steady rate. The same sensor,
-same seed, same light, is read out twice: by a bus without limits, which shows what the pixels make,
-and by its arbiter. A pixel waits with one event at a time, and after it was read it is in reset for
-its refractory period; so the event that comes out is the first that the pixel made since, which
-gives its delay.
+Every pixel flickers with its own phase, so that events come at a steady rate. One sensor with one
+seed and one stimulus is read out twice: by a bus without limits, which shows the events that the
+pixels generate, and by its arbiter. A pixel holds only one waiting event, and is in reset for its
+refractory period after it was read. So an event that is read out is the first that the pixel
+generated since the last, which gives its delay.
 
-Rates are counted between two time stamps, late enough for the queue to have filled: a row's events
-share the stamp of its grant, so that of the last row the bus has carried none yet at its stamp, and
-of the first all until the next. Over the whole of a short record the last row would count as
-carried, and the bus would seem to carry more than it can.
+Rates are counted between two time stamps, late enough for the queue to have filled. The events of a
+row share the time stamp of its grant. At that time the bus has carried none of the last row yet,
+and carries the first row until the next grant. Counted over a whole short recording, the last row
+would be included, and the rate would exceed what the bus can carry.
 """
 
 from __future__ import annotations
@@ -23,36 +23,36 @@ import numpy.typing as npt
 from emulator.characterisation import sources
 from emulator.characterisation.bench import (
     Frame,
+    bench_sensor,
     chip_luminance,
-    decades,
-    of_light,
+    log_spaced,
+    nan_for_none,
     record,
-    resized,
 )
 from emulator.characterisation.section import Plot, Quantity, Section, Style, series
 from emulator.config import SensorConfig
 from flybench.events import Events
 
 WIDTH, HEIGHT = 128, 96
-"""Enough pixels to fill the bus of the DAVIS346 ten times over at the fastest flicker."""
+"""Size of the array: it loads the bus of the DAVIS346 tenfold at the fastest flicker."""
 CHIP_LUX = 2000.0
-"""Bright enough for the full bandwidth, and for hardly any noise [lux]."""
+"""Illuminance on the chip: bright enough for the full bandwidth and hardly any noise [lux]."""
 SWING = 1.0
-"""Of the flicker, peak to peak [ln units of light]."""
+"""Peak-to-peak amplitude of the flicker [ln units of luminance]."""
 _SAMPLES = 24
-"""A cycle: straight lines between them stay within 1 % of the sine."""
-_LEAST_SAMPLES, _MOST_SAMPLES = 60, 200
-"""From two and a half cycles to eight."""
+"""Samples per cycle: straight lines between them stay within 1 % of the sine."""
+_FEWEST_SAMPLES, _MOST_SAMPLES = 60, 200
+"""Samples in a recording: two and a half to eight cycles."""
 _SETTLING = 0.3
-"""Share of a record in which the queue fills, and which does not count."""
+"""Share of a recording in which the queue fills, and which is not counted."""
 _EVENTS = 120_000
-"""About how many are drawn at each load."""
+"""Approximate number of events to generate at each load."""
 _LOSS = 0.01
-"""Share of the events whose loss makes a readout crowded."""
+"""Share of lost events above which the readout is overloaded."""
 _TIME_BITS = 40
-"""Of a key that holds pixel and time: 12 days."""
+"""Bits for the time in a key of pixel and time: they last for 12 days."""
 _SHORTEST_US = 0.01
-"""Mean delay below which none is drawn."""
+"""Mean delay below which the plot shows none [µs]."""
 
 Longs = npt.NDArray[np.int64]
 
@@ -62,73 +62,84 @@ class Load:
     """The readout under one load.
 
     Attributes:
-        in_hz: events that the pixels make a second [Hz], counted over the same time as out_hz.
-        out_hz: events that come out a second [Hz], see `rates_hz`.
-        mean_us: mean delay of those [µs].
-        slowest_us: delay that one in a hundred of them exceeds [µs].
+        in_hz: rate of generated events, counted over the same time as `out_hz` [Hz].
+        out_hz: rate of events that are read out; see `rates_hz` [Hz].
+        mean_us: mean delay of the events read out [µs].
+        percentile_99_us: delay that one in a hundred of them exceeds [µs].
     """
 
     in_hz: float
     out_hz: float
     mean_us: float
-    slowest_us: float
+    percentile_99_us: float
 
 
 def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load | None:
-    """Readout of an array that flickers at one frequency [Hz]; None where nothing comes out."""
-    free = resized(config, width=WIDTH, height=HEIGHT)
-    bound = replace(free, readout=config.readout)
-    samples = _flicker(free, flicker_hz, seed)
-    made = record(free, samples, seed=seed).events
-    passed = record(bound, samples, seed=seed).events
+    """Measure the readout of an array that flickers at one frequency.
+
+    Args:
+        config: configuration of the sensor; its size is replaced.
+        flicker_hz: frequency of the flicker [Hz].
+        seed: seed of the sensor and of the phases.
+
+    Returns:
+        Rates and delays; None if the readout gives too few events.
+    """
+    unlimited = bench_sensor(config, width=WIDTH, height=HEIGHT)
+    limited = replace(
+        unlimited,
+        readout=config.readout,
+    )
+    samples = _flicker(unlimited, flicker_hz, seed)
+    generated = record(unlimited, samples, seed=seed).events
+    read_out = record(limited, samples, seed=seed).events
     delays = delays_us(
-        made,
-        passed,
+        generated,
+        read_out,
         width=WIDTH,
         reset_us=max(1, config.refractory_us) - config.readout.latency_us,
     )
-    rates = rates_hz(made, passed, from_us=round(_SETTLING * samples[-1][0]))
+    rates = rates_hz(generated, read_out, from_us=round(_SETTLING * samples[-1][0]))
     if delays.size == 0 or rates is None:
         return None
-    return Load(
-        *rates,
-        float(delays.mean()),
-        float(np.percentile(delays, 99.0)),
-    )
+    return Load(*rates, float(delays.mean()), float(np.percentile(delays, 99.0)))
 
 
-def rates_hz(made: Events, passed: Events, *, from_us: int) -> tuple[float, float] | None:
-    """Rates in and out, from the first stamp after a time to the last stamp.
+def rates_hz(generated: Events, read_out: Events, *, from_us: int) -> tuple[float, float] | None:
+    """Return input and output rates between the first time stamp after a time and the last.
 
     Args:
-        made: events as the pixels make them, sorted by t.
-        passed: events as they come out, sorted by t.
-        from_us: when to begin [µs].
+        generated: events as the pixels generate them, sorted by t.
+        read_out: events as they are read out, sorted by t.
+        from_us: start of the count [µs].
 
     Returns:
-        Events a second, made and passed on [Hz]; None where fewer than two stamps are left.
+        Rates of generated events and of events read out [Hz]; None if fewer than two time stamps
+        are left.
     """
-    stamps = passed["t"][passed["t"] >= from_us]
+    stamps = read_out["t"][read_out["t"] >= from_us]
     if stamps.size == 0 or stamps[0] == stamps[-1]:
         return None
     span_us = int(stamps[-1] - stamps[0])
-    number = [np.diff(np.searchsorted(x["t"], stamps[[0, -1]])).item() for x in (made, passed)]
+    number = [
+        np.diff(np.searchsorted(x["t"], stamps[[0, -1]])).item() for x in (generated, read_out)
+    ]
     return 1e6 * number[0] / span_us, 1e6 * number[1] / span_us
 
 
-def delays_us(made: Events, passed: Events, *, width: int, reset_us: int) -> Longs:
-    """Delays of the events that came out.
+def delays_us(generated: Events, read_out: Events, *, width: int, reset_us: int) -> Longs:
+    """Return the delays of the events that were read out.
 
     Args:
-        made: events as the pixels make them, sorted by t.
-        passed: events as they come out, sorted by t.
+        generated: events as the pixels generate them, sorted by t.
+        read_out: events as they are read out, sorted by t.
         width: columns of the sensor [px].
-        reset_us: how long after its last event came out a pixel makes none that counts [µs].
+        reset_us: time after an event was read out in which its pixel cannot fire [µs].
 
     Returns:
-        (n,) delays, pixel by pixel [µs].
+        (n,) delays, sorted by pixel [µs].
     """
-    before, after = _by_pixel(made, width), _by_pixel(passed, width)
+    before, after = _by_pixel(generated, width), _by_pixel(read_out, width)
     pixel = after >> _TIME_BITS
     again = np.diff(pixel, prepend=-1) == 0
     since = np.where(again, np.roll(after, 1) + reset_us, pixel << _TIME_BITS)
@@ -138,38 +149,46 @@ def delays_us(made: Events, passed: Events, *, width: int, reset_us: int) -> Lon
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
-    """The readout of the data sheet."""
-    found = [measure_load(config, flicker_hz=float(f), seed=seed) for f in decades(1.0, 1000.0, 4)]
+    """Return the section on the readout."""
+    found = [
+        measure_load(config, flicker_hz=float(f), seed=seed) for f in log_spaced(1.0, 1000.0, 4)
+    ]
     loads = [load for load in found if load is not None]
     rates = np.array([load.in_hz for load in loads])
-    losing_hz = rate_that_loses(loads, _LOSS)
-    crowded = any(load.out_hz < (1.0 - _LOSS) * load.in_hz for load in loads)
-    most_hz = max(load.out_hz for load in loads) if crowded else None
-    unlimited = "" if crowded else "all that the pixels made came out"
-    never_calm = "the slowest flicker loses more" if crowded and losing_hz is None else ""
     return Section(
         "Readout",
-        f"{WIDTH}×{HEIGHT} pixels flicker by {math.exp(SWING):.1f} to 1, each with a phase of its "
-        "own, slowly at first and then faster and faster; read out by a bus without limits, which "
-        "gives the rate in, and by the arbiter. Each row that is read takes a word of the bus, as "
-        "each event does, so that the greatest rate lies below the words a second that the bus "
-        "carries.",
-        [
-            Quantity(
-                "greatest rate out", "Mev/s", _mega(most_hz), sources.ARBITER_MEV_S, unlimited
-            ),
-            Quantity("rate in that loses 1 %", "Mev/s", _mega(losing_hz), note=never_calm),
-            Quantity("mean delay at half the greatest rate", "µs", _delay_at(loads, most_hz, 0.5)),
-            Quantity(
-                "longest delay but for 1 %", "µs", max((x.slowest_us for x in loads), default=None)
-            ),
-        ],
+        f"{WIDTH}×{HEIGHT} pixels flicker by {math.exp(SWING):.1f} to 1, each with its own phase, "
+        "at rising frequencies. A bus without limits gives the input rate, the arbiter the output "
+        "rate. Each row that is read takes one word of the bus, and so does each event. So the "
+        "highest output rate is below the number of words per second that the bus carries.",
+        _quantities(loads),
         [_rate_plot(rates, loads), _delay_plot(rates, loads)],
     )
 
 
-def rate_that_loses(loads: list[Load], share: float) -> float | None:
-    """Rate in at which `share` of the events is lost, by interpolation; None if none is."""
+def _quantities(loads: list[Load]) -> list[Quantity]:
+    loss_hz = rate_at_loss(loads, _LOSS)
+    overloaded = any(load.out_hz < (1.0 - _LOSS) * load.in_hz for load in loads)
+    max_out_hz = max(load.out_hz for load in loads) if overloaded else None
+    percentile_99_us = max((load.percentile_99_us for load in loads), default=None)
+    no_limit = "" if overloaded else "all events were read out"
+    always_lossy = "the slowest flicker loses more" if overloaded and loss_hz is None else ""
+    return [
+        Quantity(
+            "highest output rate", "Mev/s", _mega(max_out_hz), sources.ARBITER_MEV_S, no_limit
+        ),
+        Quantity("input rate with a loss of 1 %", "Mev/s", _mega(loss_hz), note=always_lossy),
+        Quantity("mean delay at half the highest rate", "µs", _delay_at(loads, max_out_hz, 0.5)),
+        Quantity("99th percentile of the delay", "µs", percentile_99_us),
+    ]
+
+
+def rate_at_loss(loads: list[Load], share: float) -> float | None:
+    """Interpolate the input rate at which `share` of the events is lost [Hz].
+
+    Returns:
+        The rate; None if no load loses as much, or the lowest already loses more.
+    """
     lost = np.array([1.0 - load.out_hz / load.in_hz for load in loads])
     beyond = np.flatnonzero(lost > share)
     if beyond.size == 0 or beyond[0] == 0:
@@ -180,23 +199,24 @@ def rate_that_loses(loads: list[Load], share: float) -> float | None:
     return math.exp(low + part * (high - low))
 
 
-def _delay_at(loads: list[Load], most_hz: float | None, share: float) -> float | None:
-    """Mean delay where `share` of the greatest rate comes in, by interpolation [µs].
+def _delay_at(loads: list[Load], max_out_hz: float | None, share: float) -> float | None:
+    """Interpolate the mean delay at an input rate of `share` of the highest output rate [µs].
 
-    None where nothing was lost, or no load was as low.
+    Returns:
+        The delay; None if the readout is never overloaded, or every load is above that rate.
     """
-    if most_hz is None or share * most_hz < loads[0].in_hz:
+    if max_out_hz is None or share * max_out_hz < loads[0].in_hz:
         return None
     rates = np.log([load.in_hz for load in loads])
-    return float(np.interp(math.log(share * most_hz), rates, [load.mean_us for load in loads]))
+    return float(np.interp(math.log(share * max_out_hz), rates, [load.mean_us for load in loads]))
 
 
 def _flicker(config: SensorConfig, flicker_hz: float, seed: int) -> list[tuple[int, Frame]]:
-    """Light of pixels that flicker out of step, long enough for `_EVENTS` or so."""
+    """Return luminance samples of pixels that flicker out of step, for about `_EVENTS` events."""
     phase = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, (HEIGHT, WIDTH))
     step_us = max(1, round(1e6 / (flicker_hz * _SAMPLES)))
-    events_a_step = 2.0 * SWING / config.theta_on * WIDTH * HEIGHT / _SAMPLES
-    number = min(max(_LEAST_SAMPLES, math.ceil(_EVENTS / events_a_step)), _MOST_SAMPLES)
+    events_per_step = 2.0 * SWING / config.theta_on * WIDTH * HEIGHT / _SAMPLES
+    number = min(max(_FEWEST_SAMPLES, math.ceil(_EVENTS / events_per_step)), _MOST_SAMPLES)
     base = chip_luminance(config, CHIP_LUX)
     samples = []
     for k in range(number + 1):
@@ -206,7 +226,7 @@ def _flicker(config: SensorConfig, flicker_hz: float, seed: int) -> list[tuple[i
 
 
 def _by_pixel(events: Events, width: int) -> Longs:
-    """Pixel and time of each event as one number, sorted."""
+    """Return the pixel and time of each event as one number, sorted."""
     pixel = events["y"].astype(np.int64) * width + events["x"]
     return np.sort((pixel << _TIME_BITS) + events["t"])
 
@@ -217,12 +237,12 @@ def _mega(rate_hz: float | None) -> float | None:
 
 def _rate_plot(rates: npt.NDArray[np.float64], loads: list[Load]) -> Plot:
     return Plot(
-        "Events in and out",
-        "rate in [Mev/s]",
-        "rate out [Mev/s]",
+        "Output rate against input rate",
+        "input rate [Mev/s]",
+        "output rate [Mev/s]",
         [
             series("measured", 1e-6 * rates, [1e-6 * x.out_hz for x in loads], Style.LINE, 0),
-            series("all of them", 1e-6 * rates, 1e-6 * rates, Style.GUIDE),
+            series("without loss", 1e-6 * rates, 1e-6 * rates, Style.GUIDE),
         ],
         x_log=True,
         y_log=True,
@@ -230,15 +250,15 @@ def _rate_plot(rates: npt.NDArray[np.float64], loads: list[Load]) -> Plot:
 
 
 def _delay_plot(rates: npt.NDArray[np.float64], loads: list[Load]) -> Plot:
-    mean = of_light([x.mean_us if x.mean_us > _SHORTEST_US else None for x in loads])
-    slowest = of_light([x.slowest_us or None for x in loads])
+    mean = nan_for_none([x.mean_us if x.mean_us > _SHORTEST_US else None for x in loads])
+    percentile_99 = nan_for_none([x.percentile_99_us or None for x in loads])
     return Plot(
         "Delay of the readout",
-        "rate in [Mev/s]",
+        "input rate [Mev/s]",
         "delay [µs]",
         [
             series("mean", 1e-6 * rates, mean, Style.LINE, 0),
-            series("1 in 100 is slower", 1e-6 * rates, slowest, Style.LINE, 1),
+            series("99th percentile", 1e-6 * rates, percentile_99, Style.LINE, 1),
         ],
         x_log=True,
         y_log=True,

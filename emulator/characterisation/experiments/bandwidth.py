@@ -1,11 +1,11 @@
-"""Events per cycle against the frequency of a flickering light: the bandwidth, per decade of light.
+"""Bandwidth: events per cycle against the frequency of flicker, for each decade of illuminance.
 
-The logarithm of the light is a sine of peak-to-peak P (Lichtsteiner 2008 shows the bandwidth so).
-How many events a cycle of an amplitude makes, N_0(P), is measured at a low frequency in bright
-light, with all amplitudes side by side. At frequency f the photoreceptor damps the amplitude, and
-each event costs what the signal does in the refractory period T, on average (π²/4)·f·P·T/θ of an
-event (the mean slope of a sine, weighted by its own events). So the number against frequency is
-fitted with
+The logarithm of the luminance is a sine of peak-to-peak amplitude P (Lichtsteiner 2008 shows the
+bandwidth in this way). The number of events in a cycle of that amplitude, N_0(P), is measured at a
+low frequency in bright light, with all amplitudes side by side. At frequency f the photoreceptor
+damps the amplitude. Each event also costs the change of the signal in the refractory period T, on
+average (π²/4)·f·P·T/θ of an event (the mean slope of a sine, weighted by its own events). So the
+number against frequency is fitted with
 
     N(f) = N_0(P·g)/(1 + (π²/4)·f·(P·g/θ)·T),    g = s/√(1 + (f/f_c)²)
 
@@ -24,53 +24,55 @@ from scipy.optimize import least_squares
 from emulator.characterisation import sources
 from emulator.characterisation.bench import (
     SCENE_LUX,
+    bench_sensor,
     chip_luminance,
     chip_lux_per_scene_lux,
-    counts,
-    decades,
-    light_label,
-    of_light,
+    event_counts,
+    log_spaced,
+    lux_label,
+    nan_for_none,
     record,
-    resized,
 )
 from emulator.characterisation.section import Plot, Quantity, Section, Style, series
 from emulator.config import SensorConfig
 from flybench.events import Cause
 
 WIDTH = 96
+"""Columns of the array, one for each amplitude of the calibration."""
 LEAST_SWING, _SWING_IN_THRESHOLDS, _GREATEST_SWING = 1.0, 5.5, 8.0
-"""Of the flicker, peak to peak [ln units of light]: 2.7 to 1, or more where that would make fewer
-than five events a cycle."""
+"""Peak-to-peak amplitude of the flicker: at least 1 ln unit (2.7 to 1), more if that would cause
+fewer than five events per cycle, at most 8 [ln units of luminance]."""
 _MARGIN = 1.2
-"""Amplitudes calibrated, over the flicker's: the fit may try a share above 1."""
+"""Highest calibrated amplitude over that of the flicker, since the fit may try a share above 1."""
 _CALIBRATION_LUX = 2000.0
-"""On the chip: bright enough for the full bandwidth and hardly any noise."""
+"""Illuminance on the chip: bright enough for the full bandwidth and hardly any noise [lux]."""
 _CALIBRATION_HZ = 20.0
-"""Two decades below the cutoff there."""
+"""Flicker two decades below the cutoff at that illuminance [Hz]."""
 _CALIBRATION_ROWS = 160
-"""Pixels of each amplitude: mismatch moves their mean by 1.5 %."""
+"""Pixels for each amplitude: mismatch moves their mean by 1.5 %."""
 _SAMPLES = 48
-"""A cycle: straight lines between them stay within 0.2 % of the sine."""
+"""Samples per cycle: straight lines between them stay within 0.2 % of the sine."""
 _SETTLING_CYCLES, _CYCLES = 3, 4
-"""Cycles passed over, in which the answer becomes the same each time, and cycles counted."""
+"""Cycles skipped until the response is periodic, and cycles counted."""
 _LEAST_EVENTS = 2.0
-"""Events a cycle at the plateau below which no cutoff is fitted."""
+"""Events per cycle at the plateau below which no cutoff is fitted."""
 _NOISY = 0.3
-"""ON events of noise a cycle and pixel above which a frequency is not fitted."""
+"""ON events by noise per cycle and pixel above which a frequency is left out of the fit."""
 _REFERENCE_LUX = 1e3
+"""Illuminance on the scene at which the published cutoff is given [lux]."""
 
 Values = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """Answer to flicker at one light.
+    """Response to flicker at one illuminance.
 
     Attributes:
-        frequency_hz: (n,) of the flicker [Hz].
-        events_per_cycle: (n,) ON events of a pixel that the signal caused.
-        noise_per_cycle: (n,) ON events of a pixel that noise caused.
-        fit: share s and cutoff f_c [Hz], None where none was found among the frequencies.
+        frequency_hz: (n,) frequency of the flicker [Hz].
+        events_per_cycle: (n,) ON events of a pixel per cycle that the signal caused.
+        noise_per_cycle: (n,) ON events of a pixel per cycle that noise caused.
+        fit: share s and cutoff f_c [Hz]; None if there is no cutoff within the frequencies.
     """
 
     frequency_hz: Values
@@ -80,7 +82,7 @@ class FrequencyResponse:
 
     @property
     def cutoff_hz(self) -> float | None:
-        """Fitted f_c [Hz]."""
+        """Fitted cutoff f_c [Hz]; None if there is none."""
         return None if self.fit is None else self.fit[1]
 
 
@@ -92,17 +94,17 @@ def measure_response(
     frequency_hz: Values,
     seed: int,
 ) -> list[FrequencyResponse]:
-    """Responses to flicker at several lights, which rows of pixels see side by side.
+    """Measure the response to flicker at several illuminances, one for each row of pixels.
 
     Args:
-        config: the sensor; its size is replaced.
-        calibration: of the same sensor.
-        chip_lux: (m,) geometric means of the light on the chip, one a row [lux].
+        config: configuration of the sensor; its size is replaced.
+        calibration: calibration of the same sensor.
+        chip_lux: (m,) geometric mean of the illuminance on the chip, one for each row [lux].
         frequency_hz: (n,) frequencies [Hz].
-        seed: of the sensor.
+        seed: seed of the sensor.
 
     Returns:
-        One response a light.
+        One response for each illuminance.
     """
     lux = np.atleast_1d(np.asarray(chip_lux, np.float64))
     amplitude = np.full((1, WIDTH), calibration.swing)
@@ -119,12 +121,12 @@ def measure_response(
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Events a cycle against amplitude, N_0(P).
+    """Events per cycle against amplitude, N_0(P).
 
     Attributes:
-        amplitude: (n,) peak to peak, rising from 0 [ln units].
-        events: (n,) ON events a cycle and pixel.
-        refractory_us: refractory period that the biases set [µs].
+        amplitude: (n,) peak-to-peak amplitudes, rising from 0 [ln units].
+        events: (n,) ON events per cycle and pixel.
+        refractory_us: refractory period set by the biases [µs].
     """
 
     amplitude: Values
@@ -133,11 +135,11 @@ class Calibration:
 
     @property
     def swing(self) -> float:
-        """Peak to peak of the flicker that it is for [ln units]."""
+        """Peak-to-peak amplitude of the flicker that this calibration serves [ln units]."""
         return float(self.amplitude[-1]) / _MARGIN
 
     def model(self, frequency_hz: Values, share: float, cutoff_hz: float) -> Values:
-        """(n,) events a cycle at `frequency_hz` of a pixel with that cutoff."""
+        """Return the events per cycle of a pixel with that share and cutoff, (n,)."""
         gain = share / np.sqrt(1.0 + (frequency_hz / cutoff_hz) ** 2)
         swing = self.swing * gain
         per_event = self.amplitude[-1] / (self.events[-1] + 1.0)
@@ -148,15 +150,16 @@ class Calibration:
     def fit(
         self, frequency_hz: Values, events_per_cycle: Values, trusted: npt.NDArray[np.bool_]
     ) -> tuple[float, float] | None:
-        """Fit s and f_c to a response.
+        """Fit share s and cutoff f_c to a response.
 
         Args:
             frequency_hz: (n,) frequencies [Hz].
-            events_per_cycle: (n,) ON events a cycle and pixel.
-            trusted: (n,) which of them to fit.
+            events_per_cycle: (n,) ON events per cycle and pixel.
+            trusted: (n,) True for the frequencies to fit.
 
         Returns:
-            s and f_c [Hz], None where the pixel hardly follows, or up to all frequencies.
+            s and f_c [Hz]; None if the pixel hardly follows the flicker, or follows all
+            frequencies.
         """
         if np.count_nonzero(trusted) < 4 or events_per_cycle[trusted].max() < _LEAST_EVENTS:
             return None
@@ -174,7 +177,7 @@ class Calibration:
 
 
 def calibrate(config: SensorConfig, *, seed: int) -> Calibration:
-    """Events a cycle against amplitude, slowly and in bright light."""
+    """Measure events per cycle against amplitude, with slow flicker in bright light."""
     swing = min(max(LEAST_SWING, _SWING_IN_THRESHOLDS * config.theta_on), _GREATEST_SWING)
     amplitude = np.linspace(0.0, _MARGIN * swing, WIDTH)[None, :]
     lux = np.full(_CALIBRATION_ROWS, _CALIBRATION_LUX)
@@ -184,30 +187,31 @@ def calibrate(config: SensorConfig, *, seed: int) -> Calibration:
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
-    """The frequency response of the data sheet."""
-    frequency_hz = decades(0.3, 2e4, 4)
+    """Return the section on bandwidth."""
+    frequency_hz = log_spaced(0.3, 2e4, 4)
     lux = np.array(SCENE_LUX) * chip_lux_per_scene_lux(config)
     calibration = calibrate(config, seed=seed)
     responses = measure_response(
         config, calibration, chip_lux=lux, frequency_hz=frequency_hz, seed=seed
     )
-    cutoffs = of_light([response.cutoff_hz for response in responses])
+    cutoffs = nan_for_none([response.cutoff_hz for response in responses])
     at = SCENE_LUX.index(_REFERENCE_LUX)
     return Section(
         "Bandwidth",
-        f"A grey card of 18 % flickers by {math.exp(calibration.swing):.1f} to 1, sinusoidally in "
-        "the logarithm; ON events of the signal per cycle and pixel. The cutoff is that of the "
-        "first-order low-pass fitted to the curve, by way of the events that slow flicker of "
-        "lesser amplitude makes. Where the card makes fewer than "
-        f"{_LEAST_EVENTS:g} events a cycle there is none: in dim light the dark current hides the "
-        "flicker, and noise resets the pixels before they cross their thresholds.",
+        f"A grey card of 18 % reflectance flickers by {math.exp(calibration.swing):.1f} to 1, as a "
+        "sine in the logarithm. The curves show the ON events that the signal causes, per cycle "
+        "and pixel. The cutoff is that of a first-order low-pass fitted to each curve. The fit "
+        "relates amplitude to events with a calibration by slow flicker of smaller amplitudes. "
+        f"There is no cutoff where the card causes fewer than {_LEAST_EVENTS:g} events per cycle: "
+        "in dim light the dark current hides the flicker, and noise resets the pixels before they "
+        "cross their thresholds.",
         [
             Quantity(
                 "cutoff at 1 klux on the scene",
                 "Hz",
                 responses[at].cutoff_hz,
                 sources.BANDWIDTH_HZ,
-                "behind this lens; the light on the published sensor's chip is not known",
+                "behind this lens; the illuminance on the chip of the published sensor is unknown",
             ),
             Quantity("cutoff at 100 klux on the scene", "Hz", responses[-1].cutoff_hz),
         ],
@@ -218,16 +222,16 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
 def _events_per_cycle(
     config: SensorConfig, lux: Values, amplitude: Values, frequency_hz: float, seed: int
 ) -> tuple[Values, Values]:
-    """ON events a cycle by signal and by noise, each (lights, WIDTH).
+    """Count ON events per cycle by signal and by noise, each (rows, WIDTH).
 
     Args:
-        config: the sensor; its size is replaced.
-        lux: (lights,) on the chip, one a row [lux].
-        amplitude: (1, WIDTH) of each column, peak to peak [ln units].
-        frequency_hz: of the flicker [Hz].
-        seed: of the sensor.
+        config: configuration of the sensor; its size is replaced.
+        lux: (rows,) illuminance on the chip of each row [lux].
+        amplitude: (1, WIDTH) peak-to-peak amplitude of each column [ln units].
+        frequency_hz: frequency of the flicker [Hz].
+        seed: seed of the sensor.
     """
-    sensor = resized(config, width=WIDTH, height=lux.size)
+    sensor = bench_sensor(config, width=WIDTH, height=lux.size)
     base = np.repeat(chip_luminance(sensor, lux)[:, None], WIDTH, axis=1)
     period_us = 1e6 / frequency_hz
     number = min(_SAMPLES, max(8, math.floor(period_us)))
@@ -242,23 +246,25 @@ def _events_per_cycle(
     events = recording.events
     counted = (events["t"] > _SETTLING_CYCLES * period_us) & events["p"]
     signal = counted & (recording.causes == Cause.SIGNAL)
-    by_signal = counts(events[signal], recording.shape) / _CYCLES
-    return by_signal, counts(events[counted], recording.shape) / _CYCLES - by_signal
+    by_signal = event_counts(events[signal], recording.shape) / _CYCLES
+    return by_signal, event_counts(events[counted], recording.shape) / _CYCLES - by_signal
 
 
 def _response_plot(responses: list[FrequencyResponse], calibration: Calibration) -> Plot:
     lines = []
-    for tint, (lux, response) in enumerate(zip(SCENE_LUX, responses, strict=True)):
+    for colour_index, (lux, response) in enumerate(zip(SCENE_LUX, responses, strict=True)):
         frequency = response.frequency_hz
         points = response.events_per_cycle
-        lines.append(series(light_label(lux), frequency, points, Style.POINTS, tint))
+        lines.append(series(lux_label(lux), frequency, points, Style.POINTS, colour_index))
         if response.fit is not None:
             x = np.geomspace(frequency[0], frequency[-1], 200)
-            lines.append(series("", x, calibration.model(x, *response.fit), Style.LINE, tint))
+            lines.append(
+                series("", x, calibration.model(x, *response.fit), Style.LINE, colour_index)
+            )
     return Plot(
         "ON events per cycle",
         "frequency of the flicker [Hz]",
-        "events per cycle and pixel",
+        "ON events per cycle and pixel",
         lines,
         x_log=True,
     )
@@ -267,8 +273,8 @@ def _response_plot(responses: list[FrequencyResponse], calibration: Calibration)
 def _cutoff_plot(cutoffs: list[float]) -> Plot:
     published = sources.BANDWIDTH_HZ
     return Plot(
-        "Cutoff against light",
-        "light on the scene [lux]",
+        "Cutoff against illuminance",
+        "illuminance on the scene [lux]",
         "cutoff [Hz]",
         [
             series("measured", SCENE_LUX, cutoffs, Style.LINE, 0),

@@ -1,10 +1,10 @@
-"""Dynamic range of the events: from the dimmest to the brightest scene that still makes them.
+"""Dynamic range of the events: from the dimmest to the brightest scene that still causes them.
 
-Definition: a bar that takes 80 % of the light away passes a grey card; the light counts where at
-least half of the pixels answer the bar's coming or going with an event that the signal made. (The
-emulator knows the cause of each event; on a real sensor noise has to be told apart by counting.)
-The range is 20·log10 of the brightest over the dimmest such light, counted up to 100 klux as the
-published ones are, since sunlight is the brightest scene.
+Definition: a bar that removes 80 % of the luminance passes a grey card. An illuminance is in range
+if at least half of the pixels respond to the arrival or the departure of the bar with a signal
+event. (The emulator knows the cause of each event; on a real sensor, counting has to separate
+signal from noise.) The range is 20·log10 of the brightest over the dimmest such illuminance. It
+ends at 100 klux like the published ranges, since sunlight is the brightest scene.
 """
 
 from __future__ import annotations
@@ -16,96 +16,102 @@ import numpy.typing as npt
 
 from emulator.characterisation import sources
 from emulator.characterisation.bench import (
+    bench_sensor,
     chip_luminance,
     chip_lux_per_scene_lux,
-    counts,
-    decades,
+    event_counts,
+    log_spaced,
     record,
-    resized,
     time_constant_us,
-    uniform,
+    uniform_frame,
 )
 from emulator.characterisation.section import Plot, Quantity, Section, Style, series
 from emulator.config import SensorConfig
 from flybench.events import Cause
 
 DARKENING = 0.8
-"""Of the bar (assumed: what black print takes from grey paper; the sources do not say)."""
+"""Share of luminance that the bar removes (assumed: black print on grey paper; the sources do not
+say)."""
 BRIGHTEST_LUX = 1e5
-"""Sunlight, on the scene [lux]."""
+"""Illuminance of the scene in sunlight [lux]."""
 _HALF = 0.5
-"""Share of pixels that counts as an answer, as at the threshold of an S-curve."""
+"""Share of pixels that has to respond, as at the threshold of an S-curve."""
 _STAY = 5.0
-"""How long the bar stays, in time constants of the photoreceptor in its shade."""
+"""How long the bar stays, in time constants of the photoreceptor behind it."""
 SIDE_PX = 32
-"""A thousand pixels: a share is known to 1.6 %."""
+"""Side of the array: a thousand pixels give a share to within 1.6 %."""
 
 Floats = npt.NDArray[np.float64]
 
 
-def answering_share(config: SensorConfig, *, chip_lux: float, seed: int) -> float:
-    """Share of pixels that answer a bar before `chip_lux` on the chip."""
-    sensor = resized(config, width=SIDE_PX, height=SIDE_PX)
-    light = uniform(sensor, chip_luminance(sensor, chip_lux))
-    dark = np.asarray((1.0 - DARKENING) * light, np.float32)
+def responding_share(config: SensorConfig, *, chip_lux: float, seed: int) -> float:
+    """Return the share of pixels that respond to a bar before a card of `chip_lux` on the chip."""
+    sensor = bench_sensor(config, width=SIDE_PX, height=SIDE_PX)
+    bright = uniform_frame(sensor, chip_luminance(sensor, chip_lux))
+    dark = np.asarray((1.0 - DARKENING) * bright, np.float32)
     stay_us = math.ceil(_STAY * time_constant_us(config, (1.0 - DARKENING) * chip_lux)) + 10
     start_us = 1000
     gone_us = start_us + stay_us
     samples = [
-        (0, light),
-        (start_us, light),
+        (0, bright),
+        (start_us, bright),
         (start_us + 1, dark),
         (gone_us, dark),
-        (gone_us + 1, light),
-        (gone_us + stay_us, light),
+        (gone_us + 1, bright),
+        (gone_us + stay_us, bright),
     ]
     recording = record(sensor, samples, seed=seed)
     events = recording.events[recording.causes == Cause.SIGNAL]
     passing = events[events["t"] > start_us]
-    return float((counts(passing, recording.shape) > 0).mean())
+    return float((event_counts(passing, recording.shape) > 0).mean())
 
 
 def dynamic_range_db(scene_lux: Floats, share: Floats) -> float | None:
-    """Range from (n,) lights in rising order and (n,) shares; None where half never answer.
+    """Return the dynamic range [dB]; None if half of the pixels never respond.
 
-    The ends are interpolated in the logarithm of the light.
+    The ends are interpolated in the logarithm of the illuminance.
+
+    Args:
+        scene_lux: (n,) rising illuminances on the scene [lux].
+        share: (n,) share of pixels that respond at each.
     """
-    answers = np.flatnonzero(share >= _HALF)
-    if answers.size == 0:
+    in_range = np.flatnonzero(share >= _HALF)
+    if in_range.size == 0:
         return None
     log_lux = np.log10(scene_lux)
-    first, last = int(answers[0]), int(answers[-1])
+    first, last = int(in_range[0]), int(in_range[-1])
     low = _crossing(log_lux, share, first - 1) if first > 0 else log_lux[0]
     high = _crossing(log_lux, share, last) if last < share.size - 1 else log_lux[-1]
     return float(20.0 * (high - low))
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
-    """The dynamic range of the data sheet."""
-    lux = decades(1e-3, BRIGHTEST_LUX, 5)
+    """Return the section on the dynamic range of the events."""
+    lux = log_spaced(1e-3, BRIGHTEST_LUX, 5)
     scale = chip_lux_per_scene_lux(config)
-    share = np.array([answering_share(config, chip_lux=x * scale, seed=seed) for x in lux])
+    share = np.array([responding_share(config, chip_lux=x * scale, seed=seed) for x in lux])
     found = dynamic_range_db(lux, share)
     dimmest = None if found is None else BRIGHTEST_LUX / 10.0 ** (found / 20.0)
-    note = "the model has no upper end, so that the lower one decides"
+    note = "the model has no upper limit; only the lower one is measured"
     return Section(
         "Dynamic range of the events",
-        "A bar that takes 80 % of the light away passes a grey card of 18 %. The range is 20·log10 "
-        "of the brightest light over the dimmest at which half of the pixels answer the bar's "
-        "coming or going with an event that the signal made, counted up to 100 klux.",
+        "A bar that removes 80 % of the luminance passes a grey card of 18 % reflectance. The "
+        "range is 20·log10 of the highest over the lowest illuminance at which half of the pixels "
+        "respond to the arrival or the departure of the bar with a signal event. It ends at 100 "
+        "klux.",
         [
             Quantity("dynamic range", "dB", found, sources.DYNAMIC_RANGE_DB, note),
-            Quantity("the same", "dB", found, sources.DYNAMIC_RANGE_DAVIS240_DB, note),
-            Quantity("dimmest light on the scene", "lux", dimmest),
+            Quantity("dynamic range", "dB", found, sources.DYNAMIC_RANGE_DAVIS240_DB, note),
+            Quantity("lowest illuminance on the scene", "lux", dimmest),
         ],
         [
             Plot(
-                "Pixels that answer a bar of 80 %",
-                "light on the scene [lux]",
+                "Pixels that respond to a bar of 80 %",
+                "illuminance on the scene [lux]",
                 "share of pixels",
                 [
                     series("measured", lux, share, Style.LINE, 0),
-                    series("half of them", [lux[0], lux[-1]], [_HALF, _HALF], Style.GUIDE),
+                    series("half", [lux[0], lux[-1]], [_HALF, _HALF], Style.GUIDE),
                 ],
                 x_log=True,
             )
@@ -114,6 +120,6 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
 
 
 def _crossing(log_lux: Floats, share: Floats, i: int) -> float:
-    """Where the share meets one half between light `i` and the next."""
+    """Interpolate where the share is one half between illuminance `i` and the next."""
     part = (_HALF - share[i]) / (share[i + 1] - share[i])
     return float(log_lux[i] + part * (log_lux[i + 1] - log_lux[i]))

@@ -1,7 +1,7 @@
-"""The leak: its rate against light, and against temperature.
+"""The leak: its rate against illuminance, and against temperature.
 
-The rate is taken from static recordings by `emulator.characterisation.static_fit`, which tells the
-leak's clock from shot noise without knowing causes.
+`emulator.characterisation.static_fit` estimates the rate from static recordings. It separates the
+periodic leak from shot noise without knowing the causes of events.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import numpy.typing as npt
 
 from emulator.characterisation import sources
 from emulator.characterisation.bench import (
+    bench_sensor,
     chip_luminance,
-    decades,
-    light_label,
-    of_light,
+    log_spaced,
+    lux_label,
+    nan_for_none,
     record,
-    resized,
     static_samples,
-    uniform,
+    uniform_frame,
 )
 from emulator.characterisation.section import Plot, Quantity, Section, Style, series
 from emulator.characterisation.static_fit import StaticFit, fit_static
@@ -28,29 +28,36 @@ from emulator.config import SensorConfig
 
 SIDE_PX = 24
 DURATION_S = 300.0
-"""Thirty intervals of the published leak; mismatch leaves the mean of 576 pixels 1 % uncertain."""
+"""Thirty periods of the published leak [s]. Mismatch makes the mean of 576 pixels uncertain by 1 %.
+"""
 WARM_LUX = 30.0
-"""On the chip: too dim for light to leak, too bright for shot noise to hide the leak [lux]."""
+"""Illuminance on the chip for the temperatures: too dim to add to the leak, too bright for shot
+noise to hide it [lux]."""
 CELSIUS = np.array([15.0, 25.0, 35.0, 45.0, 55.0, 65.0])
-"""From a cool room to a hot housing (assumed)."""
+"""Temperatures from a cool room to a hot housing (assumed) [°C]."""
 
 Floats = npt.NDArray[np.float64]
+Line = tuple[float | None, float | None]
+"""Leak in the dark [Hz] and what each lux adds [Hz/lux]; None if unknown."""
 
 
 def measure_leak(config: SensorConfig, *, chip_lux: float, seed: int) -> StaticFit:
-    """Leak and shot noise of a small array at one light on the chip [lux]."""
-    sensor = resized(config, width=SIDE_PX, height=SIDE_PX)
-    light = uniform(sensor, chip_luminance(sensor, chip_lux))
-    recording = record(sensor, static_samples(light, duration_s=DURATION_S), seed=seed)
+    """Measure leak and shot noise of a small array at one illuminance on the chip [lux]."""
+    sensor = bench_sensor(config, width=SIDE_PX, height=SIDE_PX)
+    luminance = uniform_frame(sensor, chip_luminance(sensor, chip_lux))
+    recording = record(sensor, static_samples(luminance, duration_s=DURATION_S), seed=seed)
     return fit_static(recording.events, width=SIDE_PX, height=SIDE_PX, end_us=recording.duration_us)
 
 
-def leak_line(chip_lux: Floats, leak_hz: npt.ArrayLike) -> tuple[float | None, float | None]:
-    """Leak without light [Hz] and what a lux adds [Hz/lux]; None from fewer than two lights.
+def leak_line(chip_lux: Floats, leak_hz: npt.ArrayLike) -> Line:
+    """Fit a line to the leak: in the dark [Hz], and added by each lux [Hz/lux].
 
     Args:
-        chip_lux: (n,) light on the chip [lux].
+        chip_lux: (n,) illuminance on the chip [lux].
         leak_hz: (n,) leak, NaN where it is unknown [Hz].
+
+    Returns:
+        Intercept and slope; both None if fewer than two leaks are known.
     """
     rate = np.asarray(leak_hz, np.float64)
     known = np.isfinite(rate)
@@ -62,7 +69,7 @@ def leak_line(chip_lux: Floats, leak_hz: npt.ArrayLike) -> tuple[float | None, f
 
 
 def doubling_k(celsius: Floats, leak_hz: npt.ArrayLike) -> float | None:
-    """Rise of temperature that doubles the leak [K]; None where it doesn't grow.
+    """Return the rise of temperature that doubles the leak [K]; None if it does not grow.
 
     Args:
         celsius: (n,) temperatures [°C].
@@ -77,59 +84,51 @@ def doubling_k(celsius: Floats, leak_hz: npt.ArrayLike) -> float | None:
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
-    """The leak of the data sheet."""
-    lux = decades(3.0, 1e4, 2)
+    """Return the section on the leak."""
+    lux = log_spaced(3.0, 1e4, 2)
     fits = [measure_leak(config, chip_lux=float(x), seed=seed) for x in lux]
-    rates = of_light([fit.leak_hz for fit in fits])
-    dark_hz, slope = leak_line(lux, rates)
-    warm = [
+    rates = nan_for_none([fit.leak_hz for fit in fits])
+    line = leak_line(lux, rates)
+    by_celsius = [
         measure_leak(replace(config, temperature_c=c), chip_lux=WARM_LUX, seed=seed).leak_hz
         for c in CELSIUS
     ]
-    spread = of_light([fit.relative_mismatch for fit in fits])
-    relative = float(np.nanmedian(spread)) if np.isfinite(spread).any() else None
+    warm = nan_for_none(by_celsius)
     return Section(
         "Leak",
-        f"A scene that does not change, seen by {SIDE_PX}×{SIDE_PX} pixels for {DURATION_S:g} s. A "
-        "pixel's leak events come after equally long waits, by which they are told from shot "
-        "noise; the rate is that of the pixel with the mean threshold, without shot noise. "
-        f"Against light at {config.temperature_c:g} °C, against temperature at "
-        f"{light_label(WARM_LUX)} on the chip.",
-        [
-            Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
-            Quantity(
-                "what light on the chip adds",
-                "Hz/klux",
-                None if slope is None else 1e3 * slope,
-                sources.LEAK_HZ_PER_KLUX,
-            ),
-            Quantity(
-                "warming that doubles it",
-                "K",
-                doubling_k(CELSIUS, of_light(warm)),
-                sources.LEAK_DOUBLING_K,
-            ),
-            Quantity(
-                "spread over pixels",
-                "%",
-                None if relative is None else 100.0 * relative,
-                note="the mismatch of the ON threshold over the threshold",
-            ),
-        ],
-        [_light_plot(lux, rates, dark_hz, slope), _temperature_plot(of_light(warm))],
+        f"{SIDE_PX}×{SIDE_PX} pixels see a static scene for {DURATION_S:g} s. The leak events of a "
+        "pixel come at equal intervals, which separates them from shot noise. The rate is that of "
+        "a pixel with the mean threshold, without shot noise. Illuminance varies at "
+        f"{config.temperature_c:g} °C, temperature at {lux_label(WARM_LUX)} on the chip.",
+        _quantities(line, warm, fits),
+        [_lux_plot(lux, rates, line), _temperature_plot(warm)],
     )
 
 
-def _light_plot(
-    lux: Floats, rates: list[float], dark_hz: float | None, slope: float | None
-) -> Plot:
+def _quantities(line: Line, warm: list[float], fits: list[StaticFit]) -> list[Quantity]:
+    dark_hz, slope = line
+    per_klux = None if slope is None else 1e3 * slope
+    mismatch = nan_for_none([fit.relative_mismatch for fit in fits])
+    percent = 100.0 * float(np.nanmedian(mismatch)) if np.isfinite(mismatch).any() else None
+    doubling = doubling_k(CELSIUS, warm)
+    note = "equal to the mismatch of the ON threshold over the threshold"
+    return [
+        Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
+        Quantity("leak added by light on the chip", "Hz/klux", per_klux, sources.LEAK_HZ_PER_KLUX),
+        Quantity("warming that doubles the leak", "K", doubling, sources.LEAK_DOUBLING_K),
+        Quantity("standard deviation over pixels, relative", "%", percent, note=note),
+    ]
+
+
+def _lux_plot(lux: Floats, rates: list[float], line: Line) -> Plot:
+    dark_hz, slope = line
     lines = [series("measured", lux, rates, Style.POINTS, 0)]
     if dark_hz is not None and slope is not None:
         x = np.geomspace(lux[0], lux[-1], 100)
-        lines.append(series("line", x, dark_hz + slope * x, Style.LINE, 0))
+        lines.append(series("fitted line", x, dark_hz + slope * x, Style.LINE, 0))
     return Plot(
-        "Leak against light",
-        "light on the chip [lux]",
+        "Leak against illuminance",
+        "illuminance on the chip [lux]",
         "leak of a pixel [Hz]",
         lines,
         x_log=True,

@@ -1,8 +1,8 @@
-"""The refractory period, recovered from how fast a pixel can fire.
+"""The refractory period, from the intervals of a pixel that fires as fast as it can.
 
-The logarithm of the light climbs at a constant rate r until the photoreceptor, too, climbs at r.
-After each event the pixel is in reset for T and then has θ to climb, so its intervals are
-T + θ/r: a straight line in 1/r, whose intercept is T and whose slope is θ.
+The logarithm of the luminance rises at a constant rate r until the photoreceptor rises at r too.
+After each event the pixel is in reset for T and then has to rise by θ. So its intervals are
+T + θ/r: a straight line in 1/r with intercept T and slope θ.
 """
 
 from __future__ import annotations
@@ -16,40 +16,42 @@ import numpy.typing as npt
 from emulator.characterisation import sources
 from emulator.characterisation.bench import (
     Frame,
+    bench_sensor,
     chip_luminance,
     record,
-    resized,
     time_constant_us,
-    uniform,
+    uniform_frame,
 )
 from emulator.characterisation.section import Plot, Quantity, Section, Style, series
 from emulator.config import SensorConfig
 from flybench.events import Events
 
 SIDE_PX = 4
-"""Few, since every pixel of a seed shows the same period; mismatch averages over the seeds."""
+"""Side of the array: small, since every pixel of a seed has the same period. Mismatch averages out
+over the seeds."""
 _START_LUX, _END_LUX = 100.0, 1e6
-"""On the chip: from where the biases limit the bandwidth to where leak begins to help [lux]."""
+"""Illuminance on the chip: from where the biases limit the bandwidth to where leak starts to matter
+[lux]."""
 _SETTLING = 4.0
-"""Time constants after which the photoreceptor climbs within 2 % of the light's rate."""
+"""Time constants after which the photoreceptor rises within 2 % of the rate of the luminance."""
 _SPEEDS = (1.0, 0.75, 0.5, 0.33, 0.25)
-"""Of the ramps, over the fastest that the photoreceptor has the time to follow."""
+"""Speeds of the ramps, relative to the fastest that the photoreceptor has time to follow."""
 _SEEDS = 8
-"""Sensors: 128 pixels in all."""
+"""Number of sensors, which gives 128 pixels in all."""
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class RefractoryFit:
-    """Intervals against the time that a threshold takes, and the line through them.
+    """Intervals against the inverse rate of the ramps, and the line fitted to them.
 
     Attributes:
         us_per_ln: (n,) 1/r of the ramps [µs per ln unit].
         interval_us: (n,) mean interval between ON events of a pixel [µs].
-        refractory_us: intercept T [µs], None where pixels fired too seldom.
-        theta_on: slope θ [ln units], None likewise.
-        shortest_us: least interval of a pixel that was seen [µs], None likewise.
+        refractory_us: intercept T [µs]; None if pixels fired too seldom.
+        theta_on: slope θ [ln units]; None if pixels fired too seldom.
+        shortest_us: shortest interval of a pixel [µs]; None if pixels fired too seldom.
     """
 
     us_per_ln: Floats
@@ -60,21 +62,23 @@ class RefractoryFit:
 
 
 def measure_refractory(config: SensorConfig, *, seed: int) -> RefractoryFit:
-    """Refractory period and mean ON threshold from ramps of several speeds."""
-    sensor = resized(config, width=SIDE_PX, height=SIDE_PX)
+    """Measure refractory period and mean ON threshold with ramps of several speeds."""
+    sensor = bench_sensor(config, width=SIDE_PX, height=SIDE_PX)
     tau_us = time_constant_us(config, _START_LUX)
-    climb = math.log(_END_LUX / _START_LUX)
+    rise = math.log(_END_LUX / _START_LUX)
     least_us = max((_SETTLING + 3.0) * tau_us, 20.0, 5.0 * config.refractory_us)
     slopes, means, shortest = [], [], []
     for speed in _SPEEDS:
         duration_us = math.ceil(least_us / speed)
-        late = math.ceil(_SETTLING * tau_us)
-        gaps = [_gaps(sensor, duration_us, late, seed + k) for k in range(_SEEDS)]
-        per_pixel = [gap for run in gaps for gap in run if gap.size]
+        settled_us = math.ceil(_SETTLING * tau_us)
+        intervals = [
+            _intervals_us(sensor, duration_us, settled_us, seed + k) for k in range(_SEEDS)
+        ]
+        per_pixel = [x for run in intervals for x in run if x.size]
         if per_pixel:
-            slopes.append(duration_us / climb)
-            means.append(float(np.mean([gap.mean() for gap in per_pixel])))
-            shortest.append(min(float(gap.min()) for gap in per_pixel))
+            slopes.append(duration_us / rise)
+            means.append(float(np.mean([x.mean() for x in per_pixel])))
+            shortest.append(min(float(x.min()) for x in per_pixel))
     x, y = np.array(slopes), np.array(means)
     if x.size < len(_SPEEDS):
         return RefractoryFit(x, y, None, None, None)
@@ -83,7 +87,7 @@ def measure_refractory(config: SensorConfig, *, seed: int) -> RefractoryFit:
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
-    """The refractory period of the data sheet."""
+    """Return the section on the refractory period."""
     found = measure_refractory(config, seed=seed)
     quantities = [
         Quantity("refractory period", "µs", found.refractory_us, sources.REFRACTORY_US),
@@ -93,17 +97,19 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     lines = [series("measured", found.us_per_ln, found.interval_us, Style.POINTS, 0)]
     if found.refractory_us is not None and found.theta_on is not None:
         x = np.linspace(0.0, found.us_per_ln.max(), 50)
-        lines.append(series("fit", x, found.refractory_us + found.theta_on * x, Style.LINE, 0))
+        fitted = found.refractory_us + found.theta_on * x
+        lines.append(series("fitted line", x, fitted, Style.LINE, 0))
     return Section(
         "Refractory period",
-        f"The logarithm of the light climbs at constant rates, by {_END_LUX / _START_LUX:.0e} in "
-        f"all; intervals between ON events of {SIDE_PX}×{SIDE_PX} pixels once the photoreceptor "
-        "climbs at the same rate. They are the refractory period and the time that the threshold "
-        "takes: a line whose intercept is the one and whose slope is the other.",
+        "The logarithm of the luminance rises at constant rates, by a factor of "
+        f"{_END_LUX / _START_LUX:.0e} in all. Intervals between ON events of {SIDE_PX}×{SIDE_PX} "
+        "pixels are measured once the photoreceptor rises at the same rate. Each is the refractory "
+        "period plus the time to the next threshold. Plotted against the inverse rate, they form a "
+        "line: its intercept is the refractory period, its slope the threshold.",
         quantities,
         [
             Plot(
-                "Intervals on a ramp of light",
+                "Intervals on a luminance ramp",
                 "time per ln unit of the ramp [µs]",
                 "interval [µs]",
                 lines,
@@ -112,22 +118,24 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     )
 
 
-def _gaps(sensor: SensorConfig, duration_us: int, late_us: int, seed: int) -> list[Floats]:
-    """Intervals of each pixel in the steady part of a ramp [µs]."""
+def _intervals_us(
+    sensor: SensorConfig, duration_us: int, settled_us: int, seed: int
+) -> list[Floats]:
+    """Return the intervals of each pixel in the steady part of a ramp [µs]."""
     recording = record(sensor, _ramp(sensor, duration_us), seed=seed)
     events = recording.events
-    steady = events[events["p"] & (events["t"] > 1 + late_us)]
-    return [_of_pixel(steady, x, y) for x in range(SIDE_PX) for y in range(SIDE_PX)]
+    steady = events[events["p"] & (events["t"] > 1 + settled_us)]
+    return [_pixel_intervals_us(steady, x, y) for x in range(SIDE_PX) for y in range(SIDE_PX)]
 
 
-def _of_pixel(events: Events, x: int, y: int) -> Floats:
-    mine = events[(events["x"] == x) & (events["y"] == y)]
-    return np.asarray(np.diff(mine["t"]), np.float64)
+def _pixel_intervals_us(events: Events, x: int, y: int) -> Floats:
+    own = events[(events["x"] == x) & (events["y"] == y)]
+    return np.asarray(np.diff(own["t"]), np.float64)
 
 
 def _ramp(sensor: SensorConfig, duration_us: int) -> list[tuple[int, Frame]]:
-    """Two samples are a ramp: between them the logarithm of the light is a straight line."""
+    """Return two samples of a ramp; the sensor interpolates the logarithm between them."""
     lux = (_START_LUX, _START_LUX, _END_LUX)
     times = (0, 1, 1 + duration_us)
-    light = [uniform(sensor, chip_luminance(sensor, x)) for x in lux]
-    return list(zip(times, light, strict=True))
+    frames = [uniform_frame(sensor, chip_luminance(sensor, x)) for x in lux]
+    return list(zip(times, frames, strict=True))

@@ -1,1 +1,1 @@
-"""The claims of the paper, each held against the study's results."""
+"""The paper's claims, each with a test on the table of the study."""

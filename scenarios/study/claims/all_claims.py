@@ -1,4 +1,4 @@
-"""Every claim of the paper that can be put to the test, in the paper's order."""
+"""All claims of the paper that the study can test, in the order of the paper."""
 
 from __future__ import annotations
 
@@ -29,6 +29,6 @@ CLAIMS: tuple[Callable[[Sequence[Row]], Claim], ...] = (
 )
 
 
-def hold_claims(rows: Sequence[Row]) -> list[Claim]:
-    """What the study's table says of each claim."""
+def evaluate_claims(rows: Sequence[Row]) -> list[Claim]:
+    """Test every claim on the table of the study."""
     return [claim(rows) for claim in CLAIMS]

@@ -1,4 +1,4 @@
-"""One claim of the paper and its verdict; `all_claims` lists them all."""
+"""A claim of the paper and its verdict; `all_claims` lists all claims."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Literal
 
 from scenarios.pipeline.registry import FLOORLESS_FRAME_FLY, FRAME_FLY
 from scenarios.study.rows import Row
-from scenarios.study.statistics import Interval, each, interval_of, select
+from scenarios.study.statistics import Interval, distinct, interval_of, select
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested"]
-MOST_STEPS = 0.95
-"""A method is right throughout where this share of its steps is: the envelope's bound."""
+NEARLY_ALL = 0.95
+"""Share of correct steps from which a method counts as reliable, as in the envelope."""
 DAY, NIGHT = "day", "night"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the paper, and what the study says of it.
+    """One claim of the paper and the verdict of the study.
 
     Attributes:
         statement: the claim, in our words.
-        where: section or figure of the paper that makes it.
-        holds: whether it does here.
-        evidence: why, a sentence with numbers.
+        where: section or figure of the paper that makes the claim.
+        holds: verdict.
+        evidence: reason for the verdict, one sentence or two with numbers.
     """
 
     statement: str
@@ -33,40 +33,44 @@ class Claim:
     evidence: str
 
 
-def graded(share: float) -> Verdict:
-    """All of the cases, some, or none."""
+def verdict_from_share(share: float) -> Verdict:
+    """Return the verdict for the share of cases in which a claim holds."""
     if share >= 1.0:
         return "holds"
     return "holds in part" if share > 0.0 else "does not hold"
 
 
 def not_tested(statement: str, where: str, missing: str) -> Claim:
-    """A claim for which the study lacks what it needs."""
+    """Return a claim that the study cannot test, with what is missing as evidence."""
     return Claim(statement, where, "not tested", f"The study has {missing}.")
 
 
-def paper_frame_fly(rows: Sequence[Row]) -> str:
-    """The frame-based fly that is as published: without our floor, where that one ran."""
-    ran = each(rows, "method")
+def published_frame_fly(rows: Sequence[Row]) -> str:
+    """Return the method that is closest to the published frame-based fly.
+
+    It is the one without our floor on the signal-to-noise ratio, if that one ran.
+    """
+    ran = distinct(rows, "method")
     return FLOORLESS_FRAME_FLY if FLOORLESS_FRAME_FLY in ran else FRAME_FLY
 
 
-def by_sequence(rows: Sequence[Row], column: str) -> dict[str, Interval | None]:
-    """A column's mean over the seeds, with its confidence, by sequence."""
+def mean_by_sequence(rows: Sequence[Row], column: str) -> dict[str, Interval | None]:
+    """Return the mean of a column over the seeds and its confidence interval, by sequence."""
     return {
-        name: interval_of(select(rows, sequence=name), column) for name in each(rows, "sequence")
+        name: interval_of(select(rows, sequence=name), column)
+        for name in distinct(rows, "sequence")
     }
 
 
 def slowest_first(rows: Sequence[Row]) -> list[str]:
-    """Names of the rows' sequences, by angular velocity."""
-    return each(sorted(rows, key=lambda row: float(row["omega_rad_s"])), "sequence")
+    """Return the names of the sequences, sorted by angular velocity."""
+    return distinct(sorted(rows, key=lambda row: float(row["omega_rad_s"])), "sequence")
 
 
-def told(interval: Interval | None, unit: str = "", *, digits: int = 3) -> str:
-    """A mean and its 95 % interval in words; "%" makes a share a percentage."""
+def format_interval(interval: Interval | None, unit: str = "", *, digits: int = 3) -> str:
+    """Format a mean and its 95 % interval; the unit "%" turns a share into a percentage."""
     if interval is None:
-        return "nothing"
+        return "no value"
     scale = 100.0 if unit == "%" else 1.0
     mean, low, high = (
         f"{scale * v:.{digits}g}" for v in (interval.mean, interval.low, interval.high)

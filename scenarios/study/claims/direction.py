@@ -1,4 +1,4 @@
-"""The paper's claims of which method sees the direction of motion, and when."""
+"""The paper's claims about which method finds the direction of motion, and when."""
 
 from __future__ import annotations
 
@@ -7,126 +7,132 @@ from collections.abc import Sequence
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study.claims.claim import (
     DAY,
-    MOST_STEPS,
+    NEARLY_ALL,
     NIGHT,
     Claim,
     Verdict,
-    by_sequence,
-    graded,
+    format_interval,
+    mean_by_sequence,
     not_tested,
-    paper_frame_fly,
-    told,
+    published_frame_fly,
+    verdict_from_share,
 )
 from scenarios.study.rows import Row
-from scenarios.study.statistics import interval_of, select
+from scenarios.study.statistics import distinct, interval_of, select
 
 AFTER = "accuracy_after_100ms"
-LOST, SEEN = 0.5, 0.5
-"""By night "largely lost" is right in fewer than half of the steps; by day seen in more."""
+LOST, WORKS = 0.5, 0.5
+"""Motion detection is "largely lost" at night if fewer than half of the steps are correct. It works
+by day if at least half are."""
 OVERLAP = 0.5
-"""Least overlap of region and box that counts as enclosed: the usual bound of object detection (M.
-Everingham et al., "The PASCAL visual object classes challenge", 2010)."""
+"""Smallest overlap of region and box that counts as enclosed: the usual bound of object detection
+(M. Everingham et al., "The PASCAL visual object classes challenge", 2010)."""
 
 
 def fly_is_right(rows: Sequence[Row]) -> Claim:
-    """Fig. EX3 C, the proposed method."""
-    return _is_right(rows, FLY, "the event-driven fly tells the right direction in every sequence")
+    """Test Fig. EX3 C, the proposed method."""
+    return _is_right(
+        rows, FLY, "the event-driven fly finds the correct direction in every sequence"
+    )
 
 
 def contrast_is_right(rows: Sequence[Row]) -> Claim:
-    """Fig. EX3 C, contrast maximisation."""
-    return _is_right(
-        rows, CONTRAST, "contrast maximisation tells the right direction in every sequence"
-    )
+    """Test Fig. EX3 C, contrast maximisation."""
+    statement = "contrast maximisation finds the correct direction in every sequence"
+    return _is_right(rows, CONTRAST, statement)
 
 
 def _is_right(rows: Sequence[Row], method: str, statement: str) -> Claim:
     where, own = "Section III, Fig. EX3 C", select(rows, method=method)
     if not own:
         return not_tested(statement, where, f"no run of {method}")
-    right = [row for row in own if row["verdict"] == row["truth"]]
+    correct = [row for row in own if row["verdict"] == row["truth"]]
     evidence = (
-        f"The verdict over the whole crossing is right in {len(right)} of {len(own)} runs; of the "
-        f"single steps in view, {told(interval_of(own, 'accuracy'), '%')} are right."
+        f"The verdict over the whole crossing is correct in {len(correct)} of {len(own)} runs. Of "
+        f"the single steps in view, {format_interval(interval_of(own, 'accuracy'), '%')} are "
+        "correct."
     )
-    return Claim(statement, where, graded(len(right) / len(own)), evidence)
+    return Claim(statement, where, verdict_from_share(len(correct) / len(own)), evidence)
 
 
 def frames_fail_by_night(rows: Sequence[Row]) -> Claim:
-    """Section III: the frame-based model by night."""
-    statement = "by night the frame-based model largely loses its motion detection"
-    where, method = "Section III, Fig. EX2 B", paper_frame_fly(rows)
+    """Test Section III: the frame-based model at night."""
+    statement = "at night the frame-based model largely loses its motion detection"
+    where, method = "Section III, Fig. EX2 B", published_frame_fly(rows)
     night = interval_of(select(rows, method=method, lighting=NIGHT), AFTER)
     day = interval_of(select(rows, method=method, lighting=DAY), AFTER)
     if night is None or day is None:
-        return not_tested(
-            statement, where, "no settled steps of the frame-based fly by both lights"
-        )
+        missing = "no settled steps of the frame-based fly both by day and at night"
+        return not_tested(statement, where, missing)
     evidence = (
-        f"As published it is right in {told(night, '%')} of the steps by night and in "
-        f"{told(day, '%')} by day"
+        f"As published, it is correct in {format_interval(night, '%')} of the steps at night and "
+        f"in {format_interval(day, '%')} by day."
     )
     if method != FRAME_FLY:
         floor = interval_of(select(rows, method=FRAME_FLY, lighting=NIGHT), AFTER)
-        evidence += f"; with our floor on its signal to noise, in {told(floor, '%')} by night"
-    lost, seen = night.mean < LOST, day.mean >= SEEN
+        evidence += (
+            " With our floor on its signal-to-noise ratio, it is correct in "
+            f"{format_interval(floor, '%')} at night."
+        )
+    lost, works = night.mean < LOST, day.mean >= WORKS
     part: Verdict = "holds in part" if lost or night.high < day.low else "does not hold"
-    return Claim(statement, where, "holds" if lost and seen else part, evidence + ".")
+    return Claim(statement, where, "holds" if lost and works else part, evidence)
 
 
 def fly_holds_by_night(rows: Sequence[Row]) -> Claim:
-    """Section III: the proposed model by night."""
-    statement = "by night the event-driven fly goes on responding stably"
-    return _holds_throughout(rows, NIGHT, statement, "Section III, Fig. EX2 A")
+    """Test Section III: the proposed model at night."""
+    statement = "at night the event-driven fly continues to respond stably"
+    return _is_reliable(rows, NIGHT, statement, "Section III, Fig. EX2 A")
 
 
 def fly_is_consistent(rows: Sequence[Row]) -> Claim:
-    """Section III: the proposed model over velocities."""
+    """Test Section III: the proposed model at rising velocities."""
     statement = "by day the event-driven fly's response is consistent as velocity rises"
-    return _holds_throughout(rows, DAY, statement, "Section III, Fig. EX1 A")
+    return _is_reliable(rows, DAY, statement, "Section III, Fig. EX1 A")
 
 
-def _holds_throughout(rows: Sequence[Row], light: str, statement: str, where: str) -> Claim:
-    found = by_sequence(select(rows, method=FLY, lighting=light), AFTER)
+def _is_reliable(rows: Sequence[Row], lighting: str, statement: str, where: str) -> Claim:
+    found = mean_by_sequence(select(rows, method=FLY, lighting=lighting), AFTER)
     known = {name: value for name, value in found.items() if value is not None}
     if not known:
-        return not_tested(statement, where, f"no settled step of the fly by {light}")
-    good = [name for name, value in known.items() if value.mean >= MOST_STEPS]
-    steps = ", ".join(f"{_speed(n)}: {told(v, '%')}" for n, v in known.items())
+        return not_tested(statement, where, f"no settled step of the fly in the {lighting} scenes")
+    reliable = [name for name, value in known.items() if value.mean >= NEARLY_ALL]
+    steps = ", ".join(f"{_speed(n)}: {format_interval(v, '%')}" for n, v in known.items())
     evidence = (
-        f"Right steps after 100 ms in view, by angular velocity in rad/s: {steps}; at "
-        f"{len(good)} of {len(known)} they are {100 * MOST_STEPS:.0f} % or more."
+        f"Correct steps after 100 ms in view, by angular velocity in rad/s: {steps}. At "
+        f"{len(reliable)} of {len(known)} velocities they are {100 * NEARLY_ALL:.0f} % or more."
     )
-    return Claim(statement, where, graded(len(good) / len(known)), evidence)
+    return Claim(statement, where, verdict_from_share(len(reliable) / len(known)), evidence)
 
 
 def attention_finds_it(rows: Sequence[Row]) -> Claim:
-    """Section II-C and III: the region of interest."""
+    """Test Sections II-C and III: the region of interest."""
     statement = "the attended region adapts to the vehicle and encloses it"
     where, own = "Section II, Fig. EX1 A and EX2 A", select(rows, method=FLY)
-    known = {n: v for n, v in by_sequence(own, "roi_iou").items() if v is not None}
+    known = {n: v for n, v in mean_by_sequence(own, "roi_iou").items() if v is not None}
     if not known:
         return not_tested(statement, where, "no settled step of the fly")
-    good = [name for name, value in known.items() if value.mean >= OVERLAP]
-    off = interval_of(own, "centroid_error_px")
-    lights = " and ".join(
-        f"{told(interval_of(select(own, lighting=light), 'roi_iou'))} by {light}"
-        for light in dict.fromkeys(row["lighting"] for row in own)
+    enclosed = [name for name, value in known.items() if value.mean >= OVERLAP]
+    offset = interval_of(own, "centroid_error_px")
+    overlaps = ", ".join(
+        f"{lighting}: {format_interval(interval_of(select(own, lighting=lighting), 'roi_iou'))}"
+        for lighting in distinct(own, "lighting")
     )
     evidence = (
-        f"Region and true box overlap (intersection over union) by {lights}; in {len(good)} of "
-        f"{len(known)} sequences by {OVERLAP:g} or more; the view centre is {told(off, 'px')} off."
+        f"Overlap of region and true box (intersection over union), {overlaps}. It is {OVERLAP:g} "
+        f"or more in {len(enclosed)} of {len(known)} sequences. The view centre is off by "
+        f"{format_interval(offset, 'px')}."
     )
-    return Claim(statement, where, graded(len(good) / len(known)), evidence)
+    return Claim(statement, where, verdict_from_share(len(enclosed) / len(known)), evidence)
 
 
-def background_is_suppressed(rows: Sequence[Row]) -> Claim:  # noqa: ARG001, a claim all the same
-    """Abstract: attention against background motion."""
+def background_is_suppressed(rows: Sequence[Row]) -> Claim:  # noqa: ARG001 (like the other claims)
+    """Report that the study cannot test the abstract's claim on background motion."""
     return not_tested(
         "attention suppresses background motion",
         "Abstract, Section II",
-        "nothing that moves but the vehicle, as the paper's sequences; see flybench run with "
-        "distractors, and flybench envelope",
+        "nothing that moves but the vehicle, like the paper's sequences. Use flybench run with "
+        "distractors, or flybench envelope",
     )
 
 

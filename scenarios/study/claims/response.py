@@ -1,8 +1,9 @@
-"""The paper's claims of how responses compare: their strength, velocity, frames and time."""
+"""The paper's claims about the strength of responses, velocities, frame rates and CPU time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from statistics import fmean
 
 from scipy.stats import spearmanr
@@ -13,44 +14,44 @@ from scenarios.study.claims.claim import (
     NIGHT,
     Claim,
     Verdict,
-    by_sequence,
-    graded,
+    format_interval,
+    mean_by_sequence,
     not_tested,
-    paper_frame_fly,
+    published_frame_fly,
     slowest_first,
-    told,
+    verdict_from_share,
 )
 from scenarios.study.rows import Row
-from scenarios.study.statistics import Interval, each, interval_of, mean_interval, select
+from scenarios.study.statistics import Interval, distinct, interval_of, mean_interval, select
 
 VARIATION, STRENGTH = "response_variation", "response_mean"
 FEW_FPS = 10.0
-"""The paper's bound."""
-MUCH = 10.0
-"""How many times faster counts as much: an order of magnitude (assumed)."""
-_LEAST_SPEEDS = 3
+"""The paper's bound on the frame rate at night [Hz]."""
+MUCH_FASTER = 10.0
+"""Ratio of times that counts as much faster: an order of magnitude (assumed)."""
+_FEWEST_SPEEDS = 3
 
 
 def fly_is_steadier(rows: Sequence[Row]) -> Claim:
-    """Section III: clearer and more stable than frames."""
+    """Test Section III: clearer and more stable than frames."""
     return _frames_against_fly(
         "the event-driven fly's response is steadier than the frame-based model's",
         _pairs(rows, VARIATION, where_missing=float("inf")),
         lambda fly, frames: fly < frames,
-        "Standard deviation of the settled response over its mean, of the fly and of the "
-        "frame-based one: {pairs}; less in {good} sequences.",
+        "Standard deviation of the settled response over its mean, of the event-driven and of the "
+        "frame-based fly: {pairs}. It is smaller for the event-driven fly in {good} sequences.",
     )
 
 
 def frames_are_weaker(rows: Sequence[Row]) -> Claim:
-    """Section III: frame-based responses are generally weaker."""
+    """Test Section III: frame-based responses are generally weaker."""
     return _frames_against_fly(
         "the frame-based model's response is weaker than the event-driven fly's",
         _pairs(rows, STRENGTH, where_missing=0.0),
         lambda fly, frames: frames < fly,
-        "Mean settled response along the true direction, of the fly and of the frame-based one, "
-        "each normalised by a sigmoid of its own scale: {pairs}; the latter less in {good} "
-        "sequences.",
+        "Mean settled response along the true direction, of the event-driven and of the "
+        "frame-based fly, each normalised by a sigmoid with its own scale: {pairs}. It is smaller "
+        "for the frame-based fly in {good} sequences.",
     )
 
 
@@ -60,106 +61,120 @@ def _frames_against_fly(
     holds: Callable[[float, float], bool],
     evidence: str,
 ) -> Claim:
-    """A claim on each sequence's pair of fly and frames; `evidence` has {pairs} and {good}."""
+    """Test a claim that compares the event-driven with the frame-based fly in each sequence.
+
+    Args:
+        statement: the claim.
+        pairs: values of the event-driven and of the frame-based fly, by sequence.
+        holds: returns True if a pair agrees with the claim.
+        evidence: format string with {pairs} and {good}.
+    """
     where = "Section III, Fig. EX1 and EX2"
     if not pairs:
         return not_tested(statement, where, "no run of both flies")
     good = sum(holds(fly, frames) for fly, frames in pairs.values())
-    told_pairs = ", ".join(f"{n} {_number(a)} and {_number(b)}" for n, (a, b) in pairs.items())
-    told_evidence = evidence.format(pairs=told_pairs, good=f"{good} of {len(pairs)}")
-    return Claim(statement, where, graded(good / len(pairs)), told_evidence)
+    values = ", ".join(f"{n} {_number(a)} and {_number(b)}" for n, (a, b) in pairs.items())
+    text = evidence.format(pairs=values, good=f"{good} of {len(pairs)}")
+    return Claim(statement, where, verdict_from_share(good / len(pairs)), text)
 
 
 def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
-    """Section III: 1.21 rad/s."""
-    statement = "at the lowest velocity by day frames give but a weak response, events a clear one"
+    """Test Section III: 1.21 rad/s."""
+    statement = "by day, at the lowest velocity, frames give a weak response and events a clear one"
     where, day = "Section III, Fig. EX1", select(rows, lighting=DAY)
-    frames = select(day, method=paper_frame_fly(rows))
+    frames = select(day, method=published_frame_fly(rows))
     flies = select(day, method=FLY)
     names = slowest_first(frames)
-    if len(names) < _LEAST_SPEEDS or not flies:
+    if len(names) < _FEWEST_SPEEDS or not flies:
         return not_tested(statement, where, "too few velocities of both flies by day")
-    strength = {n: v.mean for n, v in by_sequence(frames, STRENGTH).items() if v is not None}
+    strength = {n: v.mean for n, v in mean_by_sequence(frames, STRENGTH).items() if v is not None}
     slow, others = strength.get(names[0], 0.0), [strength.get(n, 0.0) for n in names[1:]]
     fly = interval_of(select(flies, sequence=names[0]), "accuracy_after_100ms")
     weak, clear = slow < min(others), fly is not None and fly.mean >= 0.5
     evidence = (
         f"At {names[0].partition('_')[2]} rad/s the frame-based response is {slow:.2g}, at higher "
-        f"velocities {', '.join(f'{v:.2g}' for v in others)}; the event-driven fly is right in "
-        f"{told(fly, '%')} of the steps there."
+        f"velocities {', '.join(f'{v:.2g}' for v in others)}. The event-driven fly is correct in "
+        f"{format_interval(fly, '%')} of the steps at the lowest velocity."
     )
-    return Claim(statement, where, graded((weak + clear) / 2 if clear else 0.0), evidence)
+    return Claim(
+        statement, where, verdict_from_share((weak + clear) / 2 if clear else 0.0), evidence
+    )
 
 
 def frames_get_uneven(rows: Sequence[Row]) -> Claim:
-    """Section III: less smooth as velocity rises."""
-    statement = "the frame-based response gets less smooth as velocity rises by day"
-    own = select(rows, method=paper_frame_fly(rows), lighting=DAY)
+    """Test Section III: less smooth as velocity rises."""
+    statement = "by day the frame-based response becomes less smooth as velocity rises"
+    own = select(rows, method=published_frame_fly(rows), lighting=DAY)
     return _rises(own, VARIATION, statement, "Section III, Fig. EX1 B", "relative deviation")
 
 
 def grms_rises(rows: Sequence[Row]) -> Claim:
-    """Fig. EX3 B."""
+    """Test Fig. EX3 B."""
     statement = "the event-driven fly's GRMS generally rises with velocity"
     own = select(rows, method=FLY)
     return _rises(own, "grms", statement, "Section III, Fig. EX3 B", "GRMS in 1/s")
 
 
 def contrast_knows_velocity(rows: Sequence[Row]) -> Claim:
-    """Fig. EX3 A."""
-    statement = "the velocities of contrast maximisation rise with velocity"
+    """Test Fig. EX3 A."""
+    statement = "the velocities estimated by contrast maximisation rise with the true velocity"
     own = [
-        row | {"said_px_s": row["image_speed_px_s"] + row["velocity_bias_px_s"]}
+        row | {"estimated_px_s": row["image_speed_px_s"] + row["velocity_bias_px_s"]}
         for row in select(rows, method=CONTRAST)
         if row["velocity_bias_px_s"] is not None
     ]
-    claim = _rises(own, "said_px_s", statement, "Section III, Fig. EX3 A", "mean velocity in px/s")
+    where, what = "Section III, Fig. EX3 A", "mean velocity in px/s"
+    claim = _rises(own, "estimated_px_s", statement, where, what)
     if claim.holds == "not tested":
         return claim
     error = interval_of(own, "velocity_error_px_s")
-    more = f"{claim.evidence} The root mean square error is {told(error, 'px/s')}."
-    return Claim(claim.statement, claim.where, claim.holds, more)
+    more = f"{claim.evidence} The root mean square error is {format_interval(error, 'px/s')}."
+    return replace(claim, evidence=more)
 
 
 def _rises(rows: Sequence[Row], column: str, statement: str, where: str, what: str) -> Claim:
-    """Holds where the means rise at every step by every light; in part where by rank by any."""
+    """Test a claim that a column rises with velocity.
+
+    It holds if the means rise at every step in every lighting, and in part if the rank correlation
+    is positive in any lighting.
+    """
     ranks: dict[str, float] = {}
     parts = []
-    for light in each(rows, "lighting"):
-        own = select(rows, lighting=light)
-        found = by_sequence(own, column)
+    for lighting in distinct(rows, "lighting"):
+        own = select(rows, lighting=lighting)
+        found = mean_by_sequence(own, column)
         means = [v.mean for n in slowest_first(own) if (v := found[n]) is not None]
-        if len(means) >= _LEAST_SPEEDS and len(set(means)) > 1:
-            ranks[light] = float(spearmanr(range(len(means)), means).statistic)
+        if len(means) >= _FEWEST_SPEEDS and len(set(means)) > 1:
+            ranks[lighting] = float(spearmanr(range(len(means)), means).statistic)
             series = ", ".join(f"{mean:.3g}" for mean in means)
-            parts.append(f"by {light} {series} (rank correlation {ranks[light]:.2f})")
+            parts.append(f"{lighting} {series} (rank correlation {ranks[lighting]:.2f})")
     if not ranks:
         return not_tested(statement, where, "too few velocities")
     evidence = f"From the lowest velocity to the highest, {what}: {'; '.join(parts)}."
-    return Claim(statement, where, _of_ranks(list(ranks.values())), evidence)
+    return Claim(statement, where, _verdict_from_ranks(list(ranks.values())), evidence)
 
 
-def _of_ranks(ranks: Sequence[float]) -> Verdict:
+def _verdict_from_ranks(ranks: Sequence[float]) -> Verdict:
     if min(ranks) > 1.0 - 1e-9:
         return "holds"
     return "holds in part" if max(ranks) > 0.0 else "does not hold"
 
 
 def frames_are_few_by_night(rows: Sequence[Row]) -> Claim:
-    """Caption of Fig. EX2."""
-    statement = f"by night the APS gives fewer than {FEW_FPS:g} frames a second"
-    where, own = "Caption of Fig. EX2", select(rows, method=paper_frame_fly(rows))
-    night, day = (_rates(select(own, lighting=light)) for light in (NIGHT, DAY))
+    """Test the caption of Fig. EX2."""
+    statement = f"at night the APS gives fewer than {FEW_FPS:g} frames per second"
+    where, own = "Caption of Fig. EX2", select(rows, method=published_frame_fly(rows))
+    night, day = (_frame_rates(select(own, lighting=lighting)) for lighting in (NIGHT, DAY))
     if not night:
-        return not_tested(statement, where, "no run of the frame-based fly by night")
+        return not_tested(statement, where, "no run of the frame-based fly at night")
     few = [rate for rate in night.values() if rate < FEW_FPS]
-    evidence = f"It gives {_span(night)} frames a second by night"
-    evidence += f" and {_span(day)} by day." if day else "."
-    return Claim(statement, where, graded(len(few) / len(night)), evidence)
+    evidence = f"It gives {_range(night)} frames per second at night"
+    evidence += f" and {_range(day)} by day." if day else "."
+    return Claim(statement, where, verdict_from_share(len(few) / len(night)), evidence)
 
 
-def _rates(rows: Sequence[Row]) -> dict[str, float]:
-    """Frames a second by sequence; the first frame of a run makes no estimate."""
+def _frame_rates(rows: Sequence[Row]) -> dict[str, float]:
+    """Return the frames per second by sequence; the first frame of a run gives no estimate."""
     found: dict[str, list[float]] = {}
     for row in rows:
         rate = (row["estimates"] + 1) / row["duration_s"]
@@ -167,14 +182,14 @@ def _rates(rows: Sequence[Row]) -> dict[str, float]:
     return {name: fmean(rates) for name, rates in found.items()}
 
 
-def _span(rates: dict[str, float]) -> str:
+def _range(rates: dict[str, float]) -> str:
     low, high = min(rates.values()), max(rates.values())
     return f"{low:.1f}" if f"{low:.1f}" == f"{high:.1f}" else f"{low:.1f} to {high:.1f}"
 
 
 def fly_is_faster(rows: Sequence[Row]) -> Claim:
-    """Fig. EX3 D."""
-    statement = "the event-driven fly takes much less time than contrast maximisation"
+    """Test Fig. EX3 D."""
+    statement = "the event-driven fly needs much less time than contrast maximisation"
     where = "Section III, Fig. EX3 D"
     ratios = {
         column: _ratio(rows, column, CONTRAST, FLY)
@@ -185,46 +200,63 @@ def fly_is_faster(rows: Sequence[Row]) -> Claim:
         return not_tested(statement, where, "no run of both methods")
     least = min(by_estimate.mean, by_event.mean)
     rest: Verdict = "holds in part" if least > 1.0 else "does not hold"
-    times = " and ".join(
-        f"{told(interval_of(select(rows, method=m), 'ms_per_estimate'), 'ms')} by {name}"
-        for m, name in ((FLY, "the fly"), (CONTRAST, "contrast maximisation"))
+    fly_ms, contrast_ms = (
+        format_interval(interval_of(select(rows, method=method), "ms_per_estimate"), "ms")
+        for method in (FLY, CONTRAST)
     )
     evidence = (
-        f"An estimate takes {times} on one core, {told(by_estimate)} times as long; all estimates "
-        f"over the same events take {told(by_event)} times as long, since contrast maximisation "
-        "makes fewer."
+        f"On one core an estimate takes the fly {fly_ms}, and contrast maximisation {contrast_ms}, "
+        f"{format_interval(by_estimate)} times as long. For the same events, contrast maximisation "
+        f"takes {format_interval(by_event)} times as long, since it makes fewer estimates."
     )
-    return Claim(statement, where, "holds" if least >= MUCH else rest, evidence)
+    return Claim(statement, where, "holds" if least >= MUCH_FASTER else rest, evidence)
 
 
 def fly_is_real_time(rows: Sequence[Row]) -> Claim:
-    """Abstract: real-time implementation."""
-    statement, where = "the event-driven fly is fit for real time", "Abstract"
+    """Test the abstract: real-time implementation."""
+    statement, where = "the event-driven fly runs in real time", "Abstract"
     own = [row | {"load": row["cpu_s"] / row["duration_s"]} for row in select(rows, method=FLY)]
     if not own:
         return not_tested(statement, where, "no run of the fly")
     good = [row for row in own if row["load"] < 1.0]
     most = max(float(row["load"]) for row in own)
     evidence = (
-        f"It takes {told(interval_of(own, 'load'), 's')} of one core a second of the stream on "
-        f"this machine, at most {most:.3g} s, at 100 estimates a second."
+        f"For each second of the stream it needs {format_interval(interval_of(own, 'load'), 's')} "
+        f"of one core of this machine, at most {most:.3g} s, with 100 estimates per second."
     )
-    return Claim(statement, where, graded(len(good) / len(own)), evidence)
+    return Claim(statement, where, verdict_from_share(len(good) / len(own)), evidence)
 
 
 def _pairs(
     rows: Sequence[Row], column: str, *, where_missing: float
 ) -> dict[str, tuple[float, float]]:
-    """Means of the fly and of the frame-based one by sequence, where both ran."""
+    """Return the means of the event-driven and of the frame-based fly, by sequence.
+
+    Args:
+        rows: the table.
+        column: column to average.
+        where_missing: value for a sequence without a mean.
+    """
     fly, frames = (
-        by_sequence(select(rows, method=method), column) for method in (FLY, paper_frame_fly(rows))
+        mean_by_sequence(select(rows, method=method), column)
+        for method in (FLY, published_frame_fly(rows))
     )
-    mean: Callable[[Interval | None], float] = lambda i: where_missing if i is None else i.mean  # noqa: E731
+
+    def mean(interval: Interval | None) -> float:
+        return where_missing if interval is None else interval.mean
+
     return {name: (mean(fly[name]), mean(frames[name])) for name in fly if name in frames}
 
 
 def _ratio(rows: Sequence[Row], column: str, over: str, under: str) -> Interval | None:
-    """How many times one method's figure is another's, by seed and sequence, over the seeds."""
+    """Return the ratio of two methods in a column, paired by sequence, over the seeds.
+
+    Args:
+        rows: the table.
+        column: column to compare.
+        over: method in the numerator.
+        under: method in the denominator.
+    """
     known = {(r["sequence"], r["seed"]): r[column] for r in select(rows, method=under)}
     found: dict[int, list[float]] = {}
     for row in select(rows, method=over):

@@ -1,4 +1,4 @@
-"""The study's figures: each of the paper's anew, and what truth can tell beside them."""
+"""The list of the study's figures: those of the paper, and the accuracy against ground truth."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenarios.study import results
 from scenarios.study.figures.comparison import draw_comparison
 from scenarios.study.figures.condition import draw_condition
 from scenarios.study.figures.truth import draw_truth
+from scenarios.study.results import SequenceResult
 
-Sequences = Sequence[results.Sequence]
+Sequences = Sequence[SequenceResult]
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,12 @@ class Figure:
     """One figure.
 
     Attributes:
-        name: of its files, without a suffix.
-        title: above it.
-        counterpart: beside which figure of the paper it can be laid, in words.
-        caption: what it shows and what to look at.
-        draw: draws it to a path without a suffix.
-        lighting: of the sequences that it shows; None: of all.
+        name: name of its files, without a suffix.
+        title: heading.
+        counterpart: the figure of the paper to compare it with, in words.
+        caption: what it shows, and what to look at.
+        draw: draws sequences to a path without a suffix.
+        lighting: lighting of the sequences that it shows; None: all.
     """
 
     name: str
@@ -34,78 +34,80 @@ class Figure:
     draw: Callable[[Path, Sequences], None]
     lighting: str | None = None
 
-    def of(self, sequences: Sequences) -> list[results.Sequence]:
-        """Those of the sequences that it shows, by light and then by velocity."""
+    def select(self, sequences: Sequences) -> list[SequenceResult]:
+        """Return the sequences that it shows, sorted by lighting and then by velocity."""
         own = [one for one in sequences if self.lighting in (None, one.lighting)]
         return sorted(own, key=lambda one: (one.lighting, one.omega_rad_s))
 
 
 _CONDITION = (
-    "A column a velocity. A: the last APS frame before a moment halfway through the crossing, "
-    "with the vehicle's true box at that moment (the frame is older by up to a frame interval), "
-    "the event-driven fly's saliency with its region of interest, and its responses HS and VS; "
-    "positive HS is rightward. B: the frame-based fly's. C: the image velocity by contrast "
-    "maximisation, dashed the true one. Grey: the vehicle is in view. Faint lines are single "
-    "seeds, bold ones their mean; the strip tells whether each decision of the first seed was "
-    "right. Steps without a decision have no velocity; small arrows lie beyond the panel. "
+    "One column for each velocity. A: the last APS frame before the middle of the crossing, with "
+    "the true box of the vehicle at that moment (the frame is older by up to one frame interval); "
+    "the saliency of the event-driven fly with its region of interest; and its responses HS and "
+    "VS. Positive HS is rightward. B: the responses of the frame-based fly. C: the image velocity "
+    "estimated by contrast maximisation (solid) and the true one (dashed). Grey background: the "
+    "vehicle is in view. Faint lines are single seeds, bold lines their mean. The strip shows "
+    "whether each decision of the first seed was correct. Steps without a decision have no "
+    "velocity. Small arrows mark values outside the panel. "
 )
 FIGURES = (
     Figure(
         "day",
         "By day",
         "In the paper: Fig. EX1, panels A to C",
-        _CONDITION + "Look at how high and how steady HS stands over the velocities, and at B.",
+        _CONDITION
+        + "Compare the strength and the steadiness of HS between velocities, and with B.",
         draw_condition,
         "day",
     ),
     Figure(
         "night",
-        "By night",
+        "At night",
         "In the paper: Fig. EX2, panels A to C",
-        _CONDITION
-        + "Look at how blurred the frames are, how few there are, and what is left of B.",
+        _CONDITION + "Note how blurred and how few the frames are, and how little remains of B.",
         draw_condition,
         "night",
     ),
     Figure(
         "comparison",
-        "The methods side by side",
+        "Comparison of the methods",
         "In the paper: Fig. EX3, panels A to D",
-        "A: mean image speed of the settled steps that name a motion, and the true one. B: "
-        "gradient root mean square of the response before normalisation; does it rise with "
-        "velocity? C: in how many seeds the whole crossing's direction is right. D: CPU time of an "
-        "estimate, a tick a sequence and seed, on one core and from the same events; methods "
-        "differ in how often they make one. Filled and solid by day, hollow and dashed by night; "
-        "faint lines are single seeds.",
+        "A: mean image speed over the settled steps that name a direction, and the true one. B: "
+        "gradient root mean square of the response before normalisation; the paper claims that it "
+        "rises with velocity. C: number of seeds in which the direction of the whole crossing is "
+        "correct. D: CPU time of one estimate on one core, from the same events for all methods, "
+        "with one tick for each sequence and seed; methods differ in how often they make an "
+        "estimate. Day is filled and solid, night is hollow and dashed. Faint lines are single "
+        "seeds.",
         draw_comparison,
     ),
     Figure(
         "truth",
-        "What truth tells",
-        "Beyond the paper, since here truth is known",
-        "Mean over the seeds and its 95 % interval (Student's t), by sequence and method; filled "
-        "by day, hollow by night. Where only some seeds have a figure, the point tells how many; a "
-        "cross is a method and sequence without any, such as a latency where no step was right. "
-        "The scales of latency and CPU time are logarithmic; below the dotted line one core keeps "
-        "up with the sensor.",
+        "Accuracy against ground truth",
+        "Not in the paper, which had no exact ground truth",
+        "Mean over the seeds and its 95 % interval (Student's t), by sequence and method. Day is "
+        "filled, night is hollow. If only some seeds have a value, their number is given at the "
+        "point. A cross marks a method and sequence without a value, such as the latency where no "
+        "step was correct. Latency and CPU time have logarithmic scales. Below the dotted line one "
+        "core keeps up with the sensor.",
         draw_truth,
     ),
 )
 
 
 def draw_figures(folder: Path, sequences: Sequences) -> list[Path]:
-    """Draw every figure of which there is a sequence.
+    """Draw every figure that shows at least one of the sequences.
 
     Args:
-        folder: where to, which is there.
-        sequences: what the study found, one at least, in any order.
+        folder: existing output folder.
+        sequences: one result or more, in any order.
 
     Returns:
-        The files, an SVG and a PNG a figure.
+        The files, one SVG and one PNG for each figure.
     """
     files = []
     for figure in FIGURES:
-        if own := figure.of(sequences):
-            figure.draw(folder / figure.name, own)
+        if shown := figure.select(sequences):
+            figure.draw(folder / figure.name, shown)
             files += [folder / f"{figure.name}.svg", folder / f"{figure.name}.png"]
     return files

@@ -1,4 +1,4 @@
-"""The methods side by side: velocity, GRMS, direction and time (paper, Fig. EX3)."""
+"""Comparison of the methods: velocity, GRMS, direction and CPU time (paper, Fig. EX3)."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from flybench.direction import Direction
 from scenarios.output.figures import figure_file
 from scenarios.pipeline.registry import gives_velocity, is_fly
 from scenarios.pipeline.scoring import SETTLING_US
-from scenarios.study import results
 from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.sequence_axis import (
     TRUTH_LINE,
     add_legend,
-    light_line,
+    label_methods,
+    label_sequences,
+    lighting_style,
     methods_of,
-    name_methods,
-    name_sequences,
     truth_handle,
 )
-from scenarios.study.results import MethodRun
+from scenarios.study.results import MethodRun, SequenceResult
 
-Sequences = Sequence[results.Sequence]
-Value = Callable[[results.Sequence, MethodRun], float | None]
+Sequences = Sequence[SequenceResult]
+Value = Callable[[SequenceResult, MethodRun], float | None]
 
 SIZE_IN = (7.8, 7.0)
-_LUMA, _LIGHT = (0.2126, 0.7152, 0.0722), 0.5
-"""Brightness of a colour (ITU-R BT.709), and below which of it letters are white (assumed)."""
+_LUMA, _DARK_BELOW = (0.2126, 0.7152, 0.0722), 0.5
+"""Weights for the brightness of a colour (ITU-R BT.709), and the brightness below which text on it
+is white (assumed)."""
 
 
 def draw_comparison(path: Path, sequences: Sequences) -> None:
-    """Draw four panels, A to D as the paper's; day is filled and solid, night hollow and dashed.
+    """Draw panels A to D like the paper's; day is filled and solid, night hollow and dashed.
 
     Args:
-        path: of the figure, without a suffix.
-        sequences: of both lights or of one, one at least.
+        path: path of the figure, without a suffix.
+        sequences: one result or more, by day, at night or both.
     """
     with figure_file(path, SIZE_IN) as figure:
         (top_left, top_right), (low_left, low_right) = figure.subplots(2, 2)
@@ -74,7 +74,7 @@ def _draw_grms(axes: Axes, sequences: Sequences) -> None:
     axes.set_title("B\u2002GRMS of the response")
     for method in methods_of(sequences):
         if is_fly(method):
-            _draw_by_omega(axes, sequences, method, lambda _, run: run.judgement["grms"])
+            _draw_by_omega(axes, sequences, method, lambda _, run: run.scores["grms"])
     axes.set_ylim(bottom=0)
     power = math.floor(math.log10(axes.get_ylim()[1]))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value / 10**power:g}")
@@ -83,16 +83,16 @@ def _draw_grms(axes: Axes, sequences: Sequences) -> None:
 
 
 def _draw_by_omega(axes: Axes, sequences: Sequences, method: str, value: Value) -> None:
-    """A faint line a seed, a bold one for their mean, by day and by night."""
+    """Draw a faint line for each seed and a bold line for their mean, for each lighting."""
     style = method_style(method)
-    for light in dict.fromkeys(one.lighting for one in sequences):
+    for lighting in dict.fromkeys(one.lighting for one in sequences):
         by_omega = {
             one.omega_rad_s: _by_seed(one, method, value)
             for one in sequences
-            if one.lighting == light
+            if one.lighting == lighting
         }
         found = {omega: seeds for omega, seeds in sorted(by_omega.items()) if seeds}
-        line = light_line(light, style.colour)
+        line = lighting_style(lighting, style.colour)
         for seed in sorted({seed for seeds in found.values() for seed in seeds}):
             own = [(omega, seeds[seed]) for omega, seeds in found.items() if seed in seeds]
             axes.plot(*np.transpose(own), color=style.colour, alpha=0.3, linewidth=0.7)
@@ -100,58 +100,59 @@ def _draw_by_omega(axes: Axes, sequences: Sequences, method: str, value: Value) 
         axes.plot(list(found), means, marker=style.marker, **line)
 
 
-def _by_seed(sequence: results.Sequence, method: str, value: Value) -> dict[int, float]:
+def _by_seed(sequence: SequenceResult, method: str, value: Value) -> dict[int, float]:
     runs = [run for run in sequence.runs if run.method == method]
     found = {run.seed: value(sequence, run) for run in runs}
     return {seed: number for seed, number in found.items() if number is not None}
 
 
-def _mean_speed_px_s(sequence: results.Sequence, run: MethodRun) -> float | None:
-    """Mean of the settled steps that name a motion, along the true direction."""
+def _mean_speed_px_s(sequence: SequenceResult, run: MethodRun) -> float | None:
+    """Return the mean of the settled steps that name a direction, along the true direction."""
     settled = sequence.in_view_us[0] + SETTLING_US, sequence.in_view_us[1]
-    said = [e for e in within(run.estimates, settled) if e.direction is not Direction.NONE]
+    named = [e for e in within(run.estimates, settled) if e.direction is not Direction.NONE]
     sign = 1.0 if sequence.direction in (Direction.RIGHT, Direction.DOWN) else -1.0
-    return sign * fmean(e.response[0] for e in said) if said else None
+    return sign * fmean(e.response[0] for e in named) if named else None
 
 
 def _draw_directions(axes: Axes, sequences: Sequences) -> None:
-    """A cell a method and sequence: in how many seeds its verdict is the true direction."""
-    axes.set_title("C\u2002seeds whose direction is right")
+    """Draw a cell for each method and sequence: the number of seeds with a correct verdict."""
+    axes.set_title("C\u2002seeds with the correct direction")
     methods = methods_of(sequences)
     for row, method in enumerate(methods):
         for column, sequence in enumerate(sequences):
             _draw_cell(axes, column, row, sequence, method)
-    name_sequences(axes, sequences)
+    label_sequences(axes, sequences)
     axes.set(ylim=(len(methods) - 0.5, -0.5))
-    name_methods(axes, methods)
+    label_methods(axes, methods)
     axes.spines[:].set_visible(False)
 
 
-def _draw_cell(axes: Axes, column: int, row: int, sequence: results.Sequence, method: str) -> None:
+def _draw_cell(axes: Axes, column: int, row: int, sequence: SequenceResult, method: str) -> None:
     runs = [run for run in sequence.runs if run.method == method]
     if not runs:
         return
-    right = sum(run.judgement["direction"] == sequence.direction for run in runs)
+    correct = sum(run.scores["direction"] == sequence.direction for run in runs)
     shade = LinearSegmentedColormap.from_list("share", ["white", method_style(method).colour])(
-        right / len(runs)
+        correct / len(runs)
     )
     axes.add_patch(
         Rectangle((column - 0.46, row - 0.4), 0.92, 0.8, facecolor=shade, edgecolor="#c9d0d8")
     )
-    ink = "white" if np.dot(shade[:3], _LUMA) < _LIGHT else "black"
-    axes.text(column, row, f"{right}/{len(runs)}", ha="center", va="center", fontsize=8, color=ink)
+    ink = "white" if np.dot(shade[:3], _LUMA) < _DARK_BELOW else "black"
+    text = f"{correct}/{len(runs)}"
+    axes.text(column, row, text, ha="center", va="center", fontsize=8, color=ink)
 
 
 def _draw_times(axes: Axes, sequences: Sequences) -> None:
-    """CPU time of an estimate: a faint point a sequence and seed, a bold one for their mean."""
-    axes.set_title("D\u2002computing time")
+    """Draw the CPU time of an estimate: a tick for each sequence and seed, and their mean."""
+    axes.set_title("D\u2002CPU time")
     methods = methods_of(sequences)
-    lights = list(dict.fromkeys(one.lighting for one in sequences))
+    lightings = list(dict.fromkeys(one.lighting for one in sequences))
     for row, method in enumerate(methods):
-        for number, light in enumerate(lights):
-            height = row + 0.32 * (number - (len(lights) - 1) / 2)
-            own = [one for one in sequences if one.lighting == light]
-            _draw_time(axes, height, method, light, [t for s in own for t in _ms(s, method)])
+        for number, lighting in enumerate(lightings):
+            height = row + 0.32 * (number - (len(lightings) - 1) / 2)
+            own = [one for one in sequences if one.lighting == lighting]
+            _draw_time(axes, height, method, lighting, [t for s in own for t in _ms(s, method)])
     axes.set(ylim=(len(methods) - 0.5, -0.5), xscale="log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
@@ -159,21 +160,23 @@ def _draw_times(axes: Axes, sequences: Sequences) -> None:
     axes.set_xlabel("CPU time of an estimate [ms]")
     axes.grid(axis="x", color="#e3e6ea", linewidth=0.6)
     axes.set_axisbelow(True)
-    name_methods(axes, methods)
+    label_methods(axes, methods)
 
 
-def _draw_time(axes: Axes, height: float, method: str, light: str, times_ms: list[float]) -> None:
+def _draw_time(
+    axes: Axes, height: float, method: str, lighting: str, times_ms: list[float]
+) -> None:
     if not times_ms:
         return
     style = method_style(method)
     axes.plot(
         times_ms, [height] * len(times_ms), ls="none", marker="|", color=style.colour, alpha=0.4
     )
-    line = light_line(light, style.colour) | {"linestyle": "none", "marker": style.marker}
+    line = lighting_style(lighting, style.colour) | {"linestyle": "none", "marker": style.marker}
     mean_ms = fmean(times_ms)
     axes.plot([mean_ms], [height], **line)
     axes.annotate(
-        f"{mean_ms:.3g}, {light}",
+        f"{mean_ms:.3g}, {lighting}",
         (max(times_ms), height),
         xytext=(8, 0),
         textcoords="offset points",
@@ -183,6 +186,7 @@ def _draw_time(axes: Axes, height: float, method: str, light: str, times_ms: lis
     )
 
 
-def _ms(sequence: results.Sequence, method: str) -> list[float]:
+def _ms(sequence: SequenceResult, method: str) -> list[float]:
+    """Return the CPU time of an estimate, for each seed [ms]."""
     runs = [run for run in sequence.runs if run.method == method]
     return [1e3 * run.cpu_s / len(run.estimates) for run in runs if run.estimates]

@@ -1,4 +1,4 @@
-"""What the seeds of one method said over time, and their mean."""
+"""Curves of a method's estimates over time, and their mean over seeds."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Value = Callable[[MotionEstimate], float]
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One figure over time.
+    """One quantity over time.
 
     Attributes:
-        t_us: (n,) float64, rising [µs].
-        values: (n,) float64; not a number where there is nothing to show.
+        t_us: (n,) float64, rising times [µs].
+        values: (n,) float64; NaN leaves a gap.
     """
 
     t_us: F64
@@ -29,22 +29,22 @@ class Curve:
 
 
 def curve(run: MethodRun, value: Value) -> Curve:
-    """A figure of each of a run's estimates."""
+    """Return a quantity of each estimate of a run."""
     times = np.array([e.t_us for e in run.estimates], np.float64)
     return Curve(times, np.array([value(e) for e in run.estimates], np.float64))
 
 
 def mean_curve(curves: Sequence[Curve]) -> Curve:
-    """Mean over the seeds at each time of any seed, within the span that all of them cover.
+    """Return the mean over the seeds at every time of any seed, in the time that all cover.
 
-    Where seeds have times of their own, as those of frames are in the dark, each goes straight
-    from one of its values to the next. What is not a number is left out of the mean.
+    Where the times of the seeds differ, as those of APS frames do in the dark, each curve is
+    interpolated linearly. NaN is left out of the mean.
 
     Args:
-        curves: one a seed.
+        curves: one for each seed.
 
     Returns:
-        The mean; empty where a seed said nothing.
+        The mean; empty if a seed has no estimates.
     """
     if not curves or any(one.t_us.size == 0 for one in curves):
         return Curve(np.empty(0), np.empty(0))

@@ -1,4 +1,4 @@
-"""How a method looks in every figure and table of the study: its name, colour and marker."""
+"""Name, colour and marker of a method in all figures and tables of the study."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from scenarios.pipeline.registry import DETECTORS
 
 @dataclass(frozen=True)
 class MethodStyle:
-    """How one method is drawn.
+    """Style of one method.
 
     Attributes:
-        label: its name for a reader.
-        colour: of its lines, as #rrggbb.
-        marker: matplotlib's letter for its points, so that colour is never all that tells.
+        label: name for readers.
+        colour: colour of its lines, as #rrggbb.
+        marker: matplotlib's letter for its points, so that colour is not the only difference.
     """
 
     label: str
@@ -24,20 +24,20 @@ class MethodStyle:
     marker: str
 
 
-_OTHERS = (("#000000", "X"), ("#7a5195", "P"), ("#8c6d31", "*"))
-"""Of methods that are not ours."""
+_USER_STYLES = (("#000000", "X"), ("#7a5195", "P"), ("#8c6d31", "*"))
+"""Colours and markers for users' classes."""
 
 
 def method_style(method: str) -> MethodStyle:
-    """How a method looks, the same wherever it is drawn; one of the user's goes by its own name."""
+    """Return the style of a method; a user's class is labelled with its own name."""
     if method in DETECTORS:
         entry = DETECTORS[method]
         return MethodStyle(entry.label, entry.colour, entry.marker)
-    return MethodStyle(method, *_OTHERS[zlib.crc32(method.encode()) % len(_OTHERS)])
+    return MethodStyle(method, *_USER_STYLES[zlib.crc32(method.encode()) % len(_USER_STYLES)])
 
 
-def in_order(methods: Iterable[str]) -> list[str]:
-    """Each method once: the fly first, then its rivals, then the user's."""
+def in_display_order(methods: Iterable[str]) -> list[str]:
+    """Return each method once: ours in the order of the registry, then users' classes."""
     found = dict.fromkeys(methods)
     known = [name for name in DETECTORS if name in found]
     return known + [name for name in found if name not in DETECTORS]

@@ -1,4 +1,4 @@
-"""Axes with a place for each sequence, and for each method; what day and night look like."""
+"""Axes with a position for each sequence or method, and the styles of day and night."""
 
 from __future__ import annotations
 
@@ -11,45 +11,45 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from scenarios.study import results
-from scenarios.study.figures.method_style import in_order, method_style
+from scenarios.study.figures.method_style import in_display_order, method_style
+from scenarios.study.results import SequenceResult
 
 TRUTH_LINE: Any = {"color": "black", "linestyle": "--", "linewidth": 1.1}
-_LETTERS = 14
-"""Of a name, on one line beside a panel."""
+_LINE_LETTERS = 14
+"""Letters in one line of a label beside a panel."""
 
 
-def name_sequences(axes: Axes, sequences: Sequence[results.Sequence]) -> None:
-    """Name the places 0, 1, 2 and so on across: velocities, and below them the light of each."""
+def label_sequences(axes: Axes, sequences: Sequence[SequenceResult]) -> None:
+    """Label the x positions 0, 1, 2, ... with velocities, and below them with the lighting."""
     axes.set_xlim(-0.5, len(sequences) - 0.5)
     axes.set_xticks(range(len(sequences)), [f"{one.omega_rad_s:.2f}" for one in sequences])
-    middles, lights, first = [], [], 0
-    for light, group in groupby(one.lighting for one in sequences):
+    middles, labels, first = [], [], 0
+    for lighting, group in groupby(one.lighting for one in sequences):
         number = len(list(group))
         middles.append(first + (number - 1) / 2)
-        lights.append(f"{light} [rad/s]")
+        labels.append(f"{lighting} [rad/s]")
         first += number
-    axes.set_xticks(middles, lights, minor=True)
-    axes.xaxis.remove_overlapping_locs = False  # a light's name may stand below a velocity's
+    axes.set_xticks(middles, labels, minor=True)
+    axes.xaxis.remove_overlapping_locs = False  # a lighting may be at the position of a velocity
     axes.tick_params(axis="x", length=0, labelsize=8)
     axes.tick_params(axis="x", which="minor", length=0, pad=16, labelsize=9)
 
 
-def name_methods(axes: Axes, methods: Sequence[str]) -> None:
-    """Name the places 0, 1, 2 and so on up or down: the methods."""
-    names = [wrapped(method_style(method).label) for method in methods]
+def label_methods(axes: Axes, methods: Sequence[str]) -> None:
+    """Label the y positions 0, 1, 2, ... with the methods."""
+    names = [wrap_label(method_style(method).label) for method in methods]
     axes.set_yticks(range(len(methods)), names)
     axes.tick_params(axis="y", length=0, labelsize=8)
 
 
-def wrapped(label: str) -> str:
-    """A method's name on lines short enough to stand beside a panel."""
-    return textwrap.fill(label, _LETTERS)
+def wrap_label(label: str) -> str:
+    """Break a label into lines that fit beside a panel."""
+    return textwrap.fill(label, _LINE_LETTERS)
 
 
-def light_line(light: str, colour: str) -> dict[str, Any]:
-    """How a light is drawn: by day filled and solid, else hollow and dashed."""
-    is_day = light == "day"
+def lighting_style(lighting: str, colour: str) -> dict[str, Any]:
+    """Return the line style of a lighting: filled and solid by day, else hollow and dashed."""
+    is_day = lighting == "day"
     return {
         "color": colour,
         "linestyle": "-" if is_day else (0, (4, 2)),
@@ -62,25 +62,25 @@ def light_line(light: str, colour: str) -> dict[str, Any]:
 
 
 def truth_handle() -> Line2D:
-    """What a line of the truth means."""
+    """Return the legend entry for true values."""
     return Line2D([], [], label="truth", **TRUTH_LINE)
 
 
-def methods_of(sequences: Sequence[results.Sequence]) -> list[str]:
-    """The methods that ran, each once, in the order of every figure."""
-    return in_order(run.method for one in sequences for run in one.runs)
+def methods_of(sequences: Sequence[SequenceResult]) -> list[str]:
+    """Return the methods that ran, each once, in the order of all figures."""
+    return in_display_order(run.method for one in sequences for run in one.runs)
 
 
 def add_legend(
-    figure: Figure, sequences: Sequence[results.Sequence], more: Sequence[Line2D] = ()
+    figure: Figure, sequences: Sequence[SequenceResult], more: Sequence[Line2D] = ()
 ) -> None:
-    """One legend below all panels: each method's colour, and what day and night look like."""
+    """Add a legend below all panels, with the methods, day and night, and more entries."""
     handles = []
     for method in methods_of(sequences):
         style = method_style(method)
-        line = light_line("day", style.colour)
+        line = lighting_style("day", style.colour)
         handles.append(Line2D([], [], marker=style.marker, label=style.label, **line))
-    for light in dict.fromkeys(one.lighting for one in sequences):
-        line = light_line(light, "#4a5058")
-        handles.append(Line2D([], [], marker="o", label=light, **line))
+    for lighting in dict.fromkeys(one.lighting for one in sequences):
+        line = lighting_style(lighting, "#4a5058")
+        handles.append(Line2D([], [], marker="o", label=lighting, **line))
     figure.legend(handles=[*handles, *more], loc="outside lower center", ncols=4, fontsize=8)

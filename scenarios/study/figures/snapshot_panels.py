@@ -1,4 +1,4 @@
-"""What the sensor and the fly saw at one moment: the APS frame and the saliency map."""
+"""Panels of one snapshot: the APS frame and the saliency map."""
 
 from __future__ import annotations
 
@@ -12,50 +12,49 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from detector.metrics import Box
-from scenarios.study import results
-from scenarios.study.results import Snapshot
+from scenarios.study.results import SequenceResult, Snapshot
 
 TRUTH_BOX: Any = {"color": "#4DD0E1", "linestyle": (0, (3, 1.5)), "linewidth": 1.3}
 REGION: Any = {"color": "#FFFFFF", "linestyle": "-", "linewidth": 1.3}
 OUTLINE = [withStroke(linewidth=2.6, foreground="#1d2733")]
-"""Dark beside light, so that a line shows on any picture."""
+"""A dark outline makes a bright line visible on any image."""
 _WHITE_PERCENTILE = 99.5
-"""Of a light's frames, shown as white: a lamp or two may be brighter (assumed)."""
+"""Percentile of a frame that is shown as white; a few lamps may be brighter (assumed)."""
 
 
-def sample_snapshot(sequence: results.Sequence) -> Snapshot | None:
-    """The moment that stands for a sequence: the middle one; None where there is none."""
+def middle_snapshot(sequence: SequenceResult) -> Snapshot | None:
+    """Return the middle snapshot of a sequence, which represents it; None without snapshots."""
     shots = sequence.snapshots
     return shots[len(shots) // 2] if shots else None
 
 
-def white_dn(sequences: Sequence[results.Sequence]) -> float:
-    """What to show as white, the same for all frames of a light [DN]."""
-    shots = [shot for one in sequences if (shot := sample_snapshot(one)) is not None]
+def white_level_dn(sequences: Sequence[SequenceResult]) -> float:
+    """Return the level to show as white in the frames of all sequences [DN]."""
+    shots = [shot for one in sequences if (shot := middle_snapshot(one)) is not None]
     frames = [np.percentile(shot.aps, _WHITE_PERCENTILE) for shot in shots if shot.aps.size]
     return max([float(value) for value in frames], default=0.0) or 1.0
 
 
-def draw_aps(axes: Axes, sequence: results.Sequence, *, white: float) -> None:
-    """The last APS frame of the sample moment, with the vehicle's true box.
+def draw_aps(axes: Axes, sequence: SequenceResult, *, white_dn: float) -> None:
+    """Draw the APS frame of the middle snapshot, with the true box of the vehicle.
 
     Args:
-        axes: to draw on.
-        sequence: whose.
-        white: what is shown as white [DN].
+        axes: axes to draw on.
+        sequence: result of the sequence.
+        white_dn: level that is shown as white [DN].
     """
     _blank(axes)
-    shot = sample_snapshot(sequence)
+    shot = middle_snapshot(sequence)
     if shot is None:
         return
-    axes.imshow(shot.aps, cmap="gray", vmin=0, vmax=white, interpolation="none")
+    axes.imshow(shot.aps, cmap="gray", vmin=0, vmax=white_dn, interpolation="none")
     _draw_box(axes, shot.box_px, TRUTH_BOX)
 
 
-def draw_saliency(axes: Axes, sequence: results.Sequence) -> None:
-    """The fly's saliency at the sample moment, its region of interest and the true box."""
+def draw_saliency(axes: Axes, sequence: SequenceResult) -> None:
+    """Draw the saliency of the middle snapshot, with region of interest and true box."""
     _blank(axes)
-    shot = sample_snapshot(sequence)
+    shot = middle_snapshot(sequence)
     if shot is None:
         return
     rows, columns = shot.saliency.shape
@@ -68,12 +67,12 @@ def draw_saliency(axes: Axes, sequence: results.Sequence) -> None:
 
 
 def truth_box_handle() -> Line2D:
-    """What the dashed box means."""
+    """Return the legend entry for the true box."""
     return Line2D([], [], label="true box", path_effects=OUTLINE, **TRUTH_BOX)
 
 
 def region_handle() -> Line2D:
-    """What the other box means."""
+    """Return the legend entry for the region of interest."""
     return Line2D([], [], label="region of interest", path_effects=OUTLINE, **REGION)
 
 

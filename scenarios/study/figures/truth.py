@@ -1,4 +1,4 @@
-"""What only truth can tell, by method and sequence; the paper has no counterpart of it."""
+"""Accuracy against ground truth, by method and sequence; the paper has no such figure."""
 
 from __future__ import annotations
 
@@ -13,22 +13,27 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from scenarios.output.figures import figure_file
-from scenarios.study import results
 from scenarios.study.figures.method_style import method_style
-from scenarios.study.figures.sequence_axis import add_legend, light_line, methods_of, name_sequences
+from scenarios.study.figures.sequence_axis import (
+    add_legend,
+    label_sequences,
+    lighting_style,
+    methods_of,
+)
+from scenarios.study.results import SequenceResult
 from scenarios.study.rows import Row, study_rows
 from scenarios.study.statistics import mean_interval
 
 WIDTH_IN = 7.8
 _PANEL_IN = 1.62
 _DODGE = 0.7
-"""Share of a sequence's place over which the methods are spread, so that none hides another."""
+"""Share of a sequence's width over which the methods are spread, so that none hides another."""
 _LOAD = "load"
 
 
 @dataclass(frozen=True)
 class _Panel:
-    """One figure of the table: its column, what it is, its unit and scale."""
+    """One panel: a column of the table, its title, unit and scale."""
 
     column: str
     title: str
@@ -38,28 +43,31 @@ class _Panel:
 
 
 _PANELS = (
-    _Panel("accuracy_after_100ms", "right steps, from 100 ms in view", "steps [%]", is_share=True),
+    _Panel(
+        "accuracy_after_100ms", "correct steps after 100 ms in view", "steps [%]", is_share=True
+    ),
     _Panel(
         "latency_ms",
-        "onset latency: from the first pixel to the first right step",
+        "onset latency: from the first pixel in view to the first correct step",
         "[ms]",
         is_log=True,
     ),
     _Panel("velocity_error_px_s", "velocity error, root mean square", "[px/s]"),
     _Panel("roi_iou", "overlap of region of interest and true box", "IoU [%]", is_share=True),
-    _Panel(_LOAD, "CPU time for a second of the stream", "[s]", is_log=True),
+    _Panel(_LOAD, "CPU time per second of the stream", "[s]", is_log=True),
 )
 
 
-def draw_truth(path: Path, sequences: Sequence[results.Sequence]) -> None:
-    """Draw a row a figure: its mean over the seeds and the 95 % interval, by method and sequence.
+def draw_truth(path: Path, sequences: Sequence[SequenceResult]) -> None:
+    """Draw a panel for each quantity: mean over the seeds and 95 % interval, by sequence.
 
-    A figure that no method has, has no row. Where some seeds lack it, such as the latency where no
-    step was right, the point tells how many have it; where all do, a cross stands at the top.
+    A quantity that no method has gets no panel. If only some seeds have a value, their number is
+    printed at the point. If no seed has one, such as a latency where no step was correct, a cross
+    is drawn at the top.
 
     Args:
-        path: of the figure, without a suffix.
-        sequences: of both lights or of one, one at least.
+        path: path of the figure, without a suffix.
+        sequences: one result or more, by day, at night or both.
     """
     seconds = {one.name: one.duration_us / 1e6 for one in sequences}
     rows = [row | {_LOAD: row["cpu_s"] / seconds[row["sequence"]]} for row in study_rows(sequences)]
@@ -70,29 +78,30 @@ def draw_truth(path: Path, sequences: Sequence[results.Sequence]) -> None:
             _draw_panel(axes, panel, sequences, rows)
             axes.set_title(f"{letter}\u2002{panel.title}", fontsize=9)
             axes.tick_params(axis="x", which="both", labelbottom=axes is grid[-1])
-        add_legend(figure, sequences, _notes(rows, panels))
+        add_legend(figure, sequences, _legend_entries(rows, panels))
 
 
 def _draw_panel(
-    axes: Axes, panel: _Panel, sequences: Sequence[results.Sequence], rows: Sequence[Row]
+    axes: Axes, panel: _Panel, sequences: Sequence[SequenceResult], rows: Sequence[Row]
 ) -> None:
     methods = methods_of(sequences)
-    able = {row["method"] for row in rows if row[panel.column] is not None}
+    measured = {row["method"] for row in rows if row[panel.column] is not None}
     offsets = np.linspace(-_DODGE / 2, _DODGE / 2, 2 * len(methods) + 1)[1::2]
     for column, sequence in enumerate(sequences):
         for method, offset in zip(methods, offsets, strict=True):
             values = [
                 row[panel.column]
                 for row in rows
-                if row["sequence"] == sequence.name and row["method"] == method in able
+                if row["sequence"] == sequence.name and row["method"] == method
+                if method in measured
             ]
             _draw_point(axes, column + float(offset), values, method, sequence.lighting, panel)
-    name_sequences(axes, sequences)
+    label_sequences(axes, sequences)
     for number, (before, after) in enumerate(pairwise(sequences)):
-        is_other = before.lighting != after.lighting
-        axes.axvline(number + 0.5, color="#80868e" if is_other else "#e3e6ea", linewidth=0.7)
+        changes = before.lighting != after.lighting
+        axes.axvline(number + 0.5, color="#80868e" if changes else "#e3e6ea", linewidth=0.7)
     _scale(axes, panel)
-    if panel.is_log:  # an interval may reach below zero
+    if panel.is_log:  # an interval may extend below zero
         known = [row[panel.column] for row in rows if row[panel.column]]
         axes.set_ylim(bottom=min(known) / 2, top=2 * axes.get_ylim()[1])
 
@@ -102,17 +111,17 @@ def _draw_point(
     at: float,
     values: Sequence[float | None],
     method: str,
-    light: str,
+    lighting: str,
     panel: _Panel,
 ) -> None:
     style, known = method_style(method), [value for value in values if value is not None]
     found = mean_interval(known, is_share=panel.is_share)
     if found is None:
-        if values:  # of a method that has it elsewhere
+        if values:  # the method has a value in another sequence
             axes.plot([at], [0.94], transform=axes.get_xaxis_transform(), **_cross(style.colour))
         return
     scale = 100.0 if panel.is_share else 1.0
-    line = light_line(light, style.colour) | {"linestyle": "none", "markersize": 5.5}
+    line = lighting_style(lighting, style.colour) | {"linestyle": "none", "markersize": 5.5}
     axes.plot([at, at], [scale * found.low, scale * found.high], color=style.colour, linewidth=1.4)
     axes.plot([at], [scale * found.mean], marker=style.marker, **line)
     if len(known) < len(values):
@@ -141,7 +150,7 @@ def _scale(axes: Axes, panel: _Panel) -> None:
         axes.axhline(1.0, color="black", linestyle=":", linewidth=1.0)
 
 
-def _notes(rows: Sequence[Row], panels: Sequence[_Panel]) -> list[Line2D]:
+def _legend_entries(rows: Sequence[Row], panels: Sequence[_Panel]) -> list[Line2D]:
     dotted = Line2D([], [], color="black", linestyle=":", linewidth=1.0, label="real time")
     found = {
         (panel.column, row["sequence"], row["method"])
@@ -149,15 +158,15 @@ def _notes(rows: Sequence[Row], panels: Sequence[_Panel]) -> list[Line2D]:
         for row in rows
         if row[panel.column] is not None
     }
-    able = {(column, method) for column, _, method in found}
+    measured = {(column, method) for column, _, method in found}
     tried = {
         (column, row["sequence"], method)
         for row in rows
-        for column, method in able
+        for column, method in measured
         if row["method"] == method
     }
-    never = Line2D([], [], label="never", **_cross("#4a5058"))
-    return [dotted, never] if tried - found else [dotted]
+    missing = Line2D([], [], label="no value", **_cross("#4a5058"))
+    return [dotted, missing] if tried - found else [dotted]
 
 
 def _cross(colour: str) -> dict[str, Any]:

@@ -1,1 +1,1 @@
-"""The study's report: one HTML page."""
+"""The report of the study: one HTML page."""

@@ -1,17 +1,15 @@
-"""Every parameter of a study, what it means and where it comes from, told by the code itself."""
+"""All parameters of a study, with the meaning and the source given in the code."""
 
 from __future__ import annotations
 
 import inspect
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from scenarios.pipeline.registry import DETECTORS
+from docstring_parser import Docstring, DocstringStyle, parse
 
-_ATTRIBUTES = "\nAttributes:\n"
-_ENTRY = re.compile(r" {4}(\w+): (.*)")
+from scenarios.pipeline.registry import DETECTORS
 
 
 @dataclass(frozen=True)
@@ -19,9 +17,9 @@ class Parameter:
     """One parameter.
 
     Attributes:
-        name: dotted where it is a part of a part.
-        value: as text.
-        note: what it means and its source, as its class says; empty where nothing does.
+        name: name; dotted for a nested parameter.
+        value: value as text.
+        note: meaning and source, from the docstring of its class; empty if there is none.
     """
 
     name: str
@@ -29,12 +27,12 @@ class Parameter:
     note: str
 
 
-def flat(value: Any, prefix: str = "") -> Iterator[Parameter]:
-    """All parameters in a mapping or a dataclass, whatever is nested in it.
+def flatten_parameters(value: Any, prefix: str = "") -> Iterator[Parameter]:
+    """Yield all parameters of a mapping or a dataclass, including nested ones.
 
     Args:
-        value: the mapping, with text as keys, or the dataclass.
-        prefix: of their names.
+        value: a mapping with text as keys, or a dataclass.
+        prefix: prefix of their names.
     """
     if isinstance(value, Mapping):
         parts, notes = dict(value), {}
@@ -43,36 +41,32 @@ def flat(value: Any, prefix: str = "") -> Iterator[Parameter]:
         notes = attribute_notes(type(value))
     for name, part in parts.items():
         if isinstance(part, Mapping) or (is_dataclass(part) and not isinstance(part, type)):
-            yield from flat(part, f"{prefix}{name}.")
+            yield from flatten_parameters(part, f"{prefix}{name}.")
         else:
             yield Parameter(f"{prefix}{name}", _text(part), notes.get(name, ""))
 
 
 def attribute_notes(kind: type) -> dict[str, str]:
-    """What the "Attributes" of a class's docstring say, by name."""
-    _, _, listed = (inspect.getdoc(kind) or "").partition(_ATTRIBUTES)
-    notes: dict[str, str] = {}
-    name = ""
-    for line in listed.splitlines():
-        if entry := _ENTRY.fullmatch(line):
-            name = entry[1]
-            notes[name] = entry[2]
-        elif line.startswith(" " * 8) and name:
-            notes[name] += " " + line.strip()
-        elif line and not line.startswith(" "):
-            break  # the next section
-    return notes
+    """Return the descriptions of the attributes in a class's docstring, by name."""
+    return {item.arg_name: _one_line(item.description) for item in _docstring(kind).params}
 
 
-def opening(kind: type) -> str:
-    """What a class's docstring says before its attributes, in one line."""
-    words, _, _ = (inspect.getdoc(kind) or "").partition(_ATTRIBUTES)
-    return " ".join(words.split())
+def class_description(kind: type) -> str:
+    """Return the docstring of a class up to its first section, as one line."""
+    return _one_line(_docstring(kind).description)
 
 
 def method_config(method: str) -> Any | None:
-    """The parameters of a detector of ours as a dataclass; None of one of the user's."""
+    """Return the configuration of one of our detectors, a dataclass; None for a user's class."""
     return DETECTORS[method].config if method in DETECTORS else None
+
+
+def _docstring(kind: type) -> Docstring:
+    return parse(inspect.getdoc(kind) or "", DocstringStyle.GOOGLE)
+
+
+def _one_line(text: str | None) -> str:
+    return " ".join((text or "").split())
 
 
 def _text(value: Any) -> str:

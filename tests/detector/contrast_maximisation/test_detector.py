@@ -14,10 +14,10 @@ from flybench.direction import CARDINAL, Direction
 from flybench.events import Events
 from tests.detector.moving_dots import WINDOW_US, dots, texture
 from tests.detector.stimuli import HEIGHT, WIDTH, hot_pixels, merged, noise
-from tests.detector.test_operating_range import passing, share
+from tests.detector.test_operating_range import passing, share_with
 
 
-def found(
+def estimate_of(
     events: Events, *, start: tuple[float, float] | None = None, reward: Reward = Reward.GRADIENT
 ) -> ContrastEstimate:
     estimate = maximise_contrast(
@@ -44,11 +44,13 @@ def velocity(speed_px_s: float, angle_deg: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize("angle_deg", [17.0, -133.0])
 @pytest.mark.parametrize("speed_px_s", [120.0, 290.0, 640.0, 1000.0])
-def test_dots_within_2_px_s_cold_and_warm(speed_px_s: float, angle_deg: float) -> None:
+def test_cold_and_warm_searches_find_the_velocity_of_dots_within_2_px_s(
+    speed_px_s: float, angle_deg: float
+) -> None:
     truth = velocity(speed_px_s, angle_deg)
     events = dots(truth, seed=int(speed_px_s))
-    cold = found(events)
-    warm = found(events, start=(0.93 * truth[0] + 15.0, 0.93 * truth[1] - 15.0))
+    cold = estimate_of(events)
+    warm = estimate_of(events, start=(0.93 * truth[0] + 15.0, 0.93 * truth[1] - 15.0))
     assert (cold.is_cold, warm.is_cold) == (True, False)
     assert error_px_s(cold, truth) < 2.0
     assert error_px_s(warm, truth) < 2.0
@@ -56,40 +58,42 @@ def test_dots_within_2_px_s_cold_and_warm(speed_px_s: float, angle_deg: float) -
 
 @pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", [120.0, 450.0, 1000.0])
-def test_textures_within_2_px_s(speed_px_s: float, direction: Direction) -> None:
+def test_finds_the_velocity_of_textures_within_2_px_s(
+    speed_px_s: float, direction: Direction
+) -> None:
     events = texture(speed_px_s, direction, most=20_000)
     angle = direction.angle_deg
     assert angle is not None
-    assert error_px_s(found(events), velocity(speed_px_s, angle)) < 2.0
+    assert error_px_s(estimate_of(events), velocity(speed_px_s, angle)) < 2.0
 
 
 @pytest.mark.parametrize("reward", Reward)
-def test_every_reward_leads_to_the_velocity(reward: Reward) -> None:
+def test_every_reward_finds_the_velocity(reward: Reward) -> None:
     truth = velocity(430.0, 60.0)
-    assert error_px_s(found(dots(truth), reward=reward), truth) < 3.0
+    assert error_px_s(estimate_of(dots(truth), reward=reward), truth) < 3.0
 
 
-def test_slow_motion_is_not_pulled_to_the_axes() -> None:
+def test_slow_oblique_motion_is_not_biased_towards_the_axes() -> None:
     truth = velocity(60.0, 20.0)
-    assert error_px_s(found(dots(truth, seed=4)), truth) < 5.0
+    assert error_px_s(estimate_of(dots(truth, seed=4)), truth) < 5.0
 
 
-def test_a_start_that_is_far_off_does_no_harm() -> None:
+def test_a_wrong_start_does_not_change_the_velocity() -> None:
     truth = velocity(500.0, 0.0)
-    assert error_px_s(found(dots(truth), start=velocity(900.0, 120.0)), truth) < 2.0
+    assert error_px_s(estimate_of(dots(truth), start=velocity(900.0, 120.0)), truth) < 2.0
 
 
-def test_a_start_where_nothing_moves_leads_to_a_cold_search() -> None:
+def test_a_warm_start_in_noise_ends_in_a_cold_search() -> None:
     events = noise(5.0, duration_us=WINDOW_US)
-    assert found(events, start=(300.0, 0.0)).is_cold
+    assert estimate_of(events, start=(300.0, 0.0)).is_cold
 
 
-def test_exchanged_times_leave_nothing_prominent() -> None:
+def test_events_with_exchanged_times_are_not_prominent() -> None:
     events = dots(velocity(500.0, 0.0))
-    assert found(events).prominence > 30.0
+    assert estimate_of(events).prominence > 30.0
     rng = np.random.default_rng(0)
     events[["x", "y", "p"]] = rng.permutation(events[["x", "y", "p"]])
-    assert found(events).prominence < 8.0
+    assert estimate_of(events).prominence < 8.0
 
 
 def test_too_few_events_give_no_estimate() -> None:
@@ -97,7 +101,7 @@ def test_too_few_events_give_no_estimate() -> None:
     assert maximise_contrast(few, from_us=0, to_us=WINDOW_US, width=WIDTH, height=HEIGHT) is None
 
 
-def watched(events: Events, until_us: int, config: ContrastConfig) -> list[MotionEstimate]:
+def estimates_of(events: Events, until_us: int, config: ContrastConfig) -> list[MotionEstimate]:
     detector = ContrastMaximisation(config)
     return detector.push(events) + detector.advance(until_us)
 
@@ -111,12 +115,12 @@ def watched(events: Events, until_us: int, config: ContrastConfig) -> list[Motio
         (1400, Direction.DOWN, 10.0),
     ],
 )
-def test_the_detector_names_the_direction_and_the_velocity(
+def test_the_detector_finds_the_direction_and_the_velocity(
     speed_px_s: int, direction: Direction, noise_hz: float
 ) -> None:
     events, until_us = passing(speed_px_s, direction, noise_hz=noise_hz)
-    estimates = watched(events, until_us, ContrastConfig(hop_us=50_000))[2:]
-    assert share(estimates, direction) == 1.0
+    estimates = estimates_of(events, until_us, ContrastConfig(hop_us=50_000))[2:]
+    assert share_with(estimates, direction) == 1.0
     angle = direction.angle_deg
     assert angle is not None
     middle = np.median([e.response for e in estimates], axis=0)
@@ -124,21 +128,21 @@ def test_the_detector_names_the_direction_and_the_velocity(
 
 
 @pytest.mark.parametrize("rate_hz", [0.1, 1.0, 5.0, 20.0])
-def test_noise_and_hot_pixels_are_none(rate_hz: float) -> None:
+def test_noise_and_hot_pixels_give_none(rate_hz: float) -> None:
     until_us = 300_000
     events = merged(
         noise(rate_hz, duration_us=until_us, seed=7),
         hot_pixels(20, 50, duration_us=until_us, seed=8),
     )
-    estimates = watched(events, until_us, ContrastConfig(hop_us=50_000))
+    estimates = estimates_of(events, until_us, ContrastConfig(hop_us=50_000))
     assert {e.direction for e in estimates} == {Direction.NONE}
 
 
-def test_cuts_and_calls_of_advance_change_nothing() -> None:
+def test_cuts_and_calls_of_advance_change_no_estimate() -> None:
     until_us = 300_000
     events, _ = passing(620, Direction.RIGHT, noise_hz=3.0)
     events = events[events["t"] < until_us]
-    whole = watched(events, until_us, ContrastConfig(hop_us=25_000))
+    whole = estimates_of(events, until_us, ContrastConfig(hop_us=25_000))
     detector, pieces = ContrastMaximisation(ContrastConfig(hop_us=25_000)), []
     for start in range(0, events.size, 7001):
         piece = events[start : start + 7001]
@@ -147,7 +151,7 @@ def test_cuts_and_calls_of_advance_change_nothing() -> None:
     assert [e.t_us for e in whole] == list(range(25_000, until_us + 1, 25_000))
 
 
-def test_it_is_no_detector_of_frames() -> None:
+def test_it_is_not_a_frame_detector() -> None:
     assert not isinstance(ContrastMaximisation(), FrameDetector)
 
 
@@ -155,7 +159,7 @@ def test_it_is_no_detector_of_frames() -> None:
     ("values", "words"),
     [
         ({"limit_px_s": 0.0}, "limit_px_s is 0.0"),
-        ({"hop_us": 20_000}, "no multiple of hop_us"),
+        ({"hop_us": 20_000}, "Allowed is a multiple of hop_us"),
         ({"reward": "variance"}, "Reward.VARIANCE"),
     ],
 )

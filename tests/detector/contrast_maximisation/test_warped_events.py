@@ -8,7 +8,7 @@ from flybench.events import EVENT_DTYPE
 F32 = np.float32
 
 
-def scattered(number: int = 200, seed: int = 0) -> np.ndarray:
+def random_points(number: int = 200, seed: int = 0) -> np.ndarray:
     rng = np.random.default_rng(seed)
     return np.stack(
         [rng.integers(0, 30, number), rng.integers(0, 20, number), rng.uniform(-0.02, 0.02, number)]
@@ -32,8 +32,8 @@ def warped_image(
     return WarpedEvents(points, reward=Reward.GRADIENT, area_px=1.0).image(velocity, scale_px)
 
 
-def plainly(points: np.ndarray, velocity: tuple[float, float]) -> np.ndarray:
-    """The image of warped events in plain NumPy, on a canvas that holds it."""
+def reference_image(points: np.ndarray, velocity: tuple[float, float]) -> np.ndarray:
+    """Compute the image of warped events in plain NumPy, with a rim of zeros."""
     canvas = np.zeros((80, 80))
     for x, y, t in points.T.astype(float):
         px, py = x - velocity[0] * t + 20, y - velocity[1] * t + 20
@@ -47,9 +47,9 @@ def plainly(points: np.ndarray, velocity: tuple[float, float]) -> np.ndarray:
     return canvas
 
 
-def test_the_image_is_the_plain_one() -> None:
-    points, velocity = scattered(), (130.0, -70.0)
-    image, canvas = warped_image(points, velocity), plainly(points, velocity)
+def test_the_image_equals_the_reference() -> None:
+    points, velocity = random_points(), (130.0, -70.0)
+    image, canvas = warped_image(points, velocity), reference_image(points, velocity)
     rows, columns = np.nonzero(canvas.sum(axis=1))[0], np.nonzero(canvas.sum(axis=0))[0]
     expected = canvas[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     rows, columns = np.nonzero(image.sum(axis=1))[0], np.nonzero(image.sum(axis=0))[0]
@@ -58,9 +58,9 @@ def test_the_image_is_the_plain_one() -> None:
 
 
 @pytest.mark.parametrize("reward", Reward)
-def test_the_rewards_are_the_plain_ones(reward: Reward) -> None:
-    points, velocity, area = scattered(), (130.0, -70.0), 6400.0
-    h = plainly(points, velocity)
+def test_the_rewards_equal_the_reference(reward: Reward) -> None:
+    points, velocity, area = random_points(), (130.0, -70.0), 6400.0
+    h = reference_image(points, velocity)
     energy, empty = (h**2).mean(), np.exp(-SUPPRESSION * h).mean()
     expected = {
         Reward.VARIANCE: h.var(),
@@ -75,7 +75,7 @@ def test_the_rewards_are_the_plain_ones(reward: Reward) -> None:
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0), (900.0, -1400.0), (-37.0, 3.0)])
 def test_no_event_is_lost(velocity: tuple[float, float]) -> None:
-    points = scattered()
+    points = random_points()
     assert warped_image(points, velocity).sum() == pytest.approx(points.shape[1], rel=1e-4)
     assert warped_image(points, velocity, scale_px=4.0).sum() == pytest.approx(200, rel=1e-4)
 
@@ -92,8 +92,9 @@ def test_every_reward_prefers_the_true_velocity(reward: Reward) -> None:
     assert found.argmax() == 0
 
 
-def test_rest_gains_nothing_from_the_pixels_grid() -> None:
-    # Bilinear votes would give rest, where events lie on the middle of pixels, 1.5 times as much.
+def test_the_pixel_grid_does_not_favour_a_velocity_of_zero() -> None:
+    # Bilinear votes would give a velocity of 0, with events in the middle of pixels, 1.5 times the
+    # reward.
     rng = np.random.default_rng(0)
     t = rng.uniform(-0.025, 0.025, 3000)
     points = np.stack([rng.integers(0, 300, 3000), rng.integers(0, 200, 3000), t]).astype(F32)
@@ -102,7 +103,7 @@ def test_rest_gains_nothing_from_the_pixels_grid() -> None:
     assert np.ptp(found) < 0.1 * found.mean()
 
 
-def test_no_events_are_worth_nothing() -> None:
+def test_the_reward_of_no_events_is_zero() -> None:
     none = np.zeros((3, 0), F32)
     assert not rewards(
         none, np.zeros((2, 2)), scale_px=1.0, reward=Reward.VARIANCE, area_px=10.0
@@ -110,9 +111,9 @@ def test_no_events_are_worth_nothing() -> None:
 
 
 @pytest.mark.parametrize("reward", Reward)
-def test_candidates_leave_nothing_behind(reward: Reward) -> None:
+def test_candidates_do_not_affect_later_ones(reward: Reward) -> None:
     velocities = np.array([(900.0, -1400.0), (0.0, 0.0), (130.0, -70.0)])
-    warped = WarpedEvents(scattered(), reward=reward, area_px=6400.0)
+    warped = WarpedEvents(random_points(), reward=reward, area_px=6400.0)
     together = warped.rewards(velocities, 1.0)
     warped.image((-37.0, 3.0))
     alone = [float(warped.rewards(v[None], 1.0)[0]) for v in velocities]
@@ -120,13 +121,13 @@ def test_candidates_leave_nothing_behind(reward: Reward) -> None:
 
 
 def test_the_order_of_the_events_does_not_matter() -> None:
-    points, velocities = scattered(), np.array([(900.0, -1400.0), (130.0, -70.0)])
+    points, velocities = random_points(), np.array([(900.0, -1400.0), (130.0, -70.0)])
     in_time = points[:, np.argsort(points[2])]
     np.testing.assert_allclose(rewards(in_time, velocities), rewards(points, velocities), rtol=1e-5)
 
 
-def test_by_chance_is_with_the_times_exchanged() -> None:
-    points, velocity = scattered(), (130.0, -70.0)
+def test_rewards_by_chance_exchange_the_times() -> None:
+    points, velocity = random_points(), (130.0, -70.0)
     orders = np.random.default_rng(1).permuted(np.tile(np.arange(200), (3, 1)), axis=1)
     exchanged = [np.stack([points[0], points[1], points[2, order]]) for order in orders]
     warped = WarpedEvents(points, reward=Reward.GRADIENT, area_px=90_000.0)

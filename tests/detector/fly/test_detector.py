@@ -38,15 +38,13 @@ from tests.detector.stimuli import (
     textured_box,
 )
 
-SPAN_PX = {"right": 346, "left": 346, "up": 260, "down": 260}
-
 
 def estimates_of(events: Events, end_us: int) -> list[MotionEstimate]:
     fly = FlyDetector()
     return fly.push(events) + fly.advance(end_us)
 
 
-def at(t_us: int, x: int = 100, y: int = 100) -> Events:
+def one_event(t_us: int, x: int = 100, y: int = 100) -> Events:
     return np.array([(t_us, x, y, True)], EVENT_DTYPE)
 
 
@@ -59,7 +57,7 @@ def busy_stream() -> Events:
 @pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("speed_px_s", [350, 518, 790])
 @pytest.mark.parametrize("noise_hz", [0.0, 10.0])
-def test_direction_of_a_car_is_right_from_100_ms_until_it_leaves(
+def test_the_direction_of_a_car_is_right_from_100_ms_until_it_leaves(
     direction: Direction, speed_px_s: float, noise_hz: float
 ) -> None:
     events, view_us = crossing(car(), speed_px_s=speed_px_s, direction=direction)
@@ -74,7 +72,7 @@ def test_direction_of_a_car_is_right_from_100_ms_until_it_leaves(
 
 @pytest.mark.parametrize("direction", CARDINAL)
 @pytest.mark.parametrize("contrast", [0.5, 1.0])
-def test_a_long_car_fills_the_view_without_confusing_it(
+def test_the_direction_of_a_car_that_fills_the_view_is_right(
     direction: Direction, contrast: float
 ) -> None:
     pattern = car(300, 90, contrast=contrast)
@@ -85,8 +83,10 @@ def test_a_long_car_fills_the_view_without_confusing_it(
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-def test_a_shape_without_texture_still_tells_its_direction(direction: Direction) -> None:
-    events, view_us = crossing(plain_box(), speed_px_s=518, direction=direction, flat=True)
+def test_the_direction_of_a_shape_without_texture_is_right(direction: Direction) -> None:
+    events, view_us = crossing(
+        plain_box(), speed_px_s=518, direction=direction, plain_background=True
+    )
     found = estimates_of(merged(events, noise(5.0, duration_us=view_us)), view_us)
     share = accuracy(found, direction, crossing_us=(99_999, view_us))
     assert share is not None
@@ -97,7 +97,7 @@ def test_a_shape_without_texture_still_tells_its_direction(direction: Direction)
 
 
 def small_target(*, noise_hz: float, start_px: float = 40.0) -> Events:
-    """24×24 px at 500 px/s and row 50, for 0.4 s; then only noise, for as long again."""
+    """Return a target of 24×24 px at 500 px/s from row 50 for 0.4 s, then 0.4 s of noise alone."""
     moving = slide(
         textured_box(24, 24),
         speed_px_s=500,
@@ -110,7 +110,7 @@ def small_target(*, noise_hz: float, start_px: float = 40.0) -> Events:
 
 
 def distance_px(e: MotionEstimate) -> float:
-    """From the view centre to the middle of the small target."""
+    """Return the distance from the view centre to the middle of the small target."""
     return math.dist(e.view_centre_px, (40 + 12 + 500e-6 * e.t_us, 62))
 
 
@@ -123,7 +123,7 @@ def test_the_view_centre_converges_to_a_small_target_and_follows_it(noise_hz: fl
     assert at_rest.view_centre_px == (173.0, 130.0)
     found = [replace(e, t_us=e.t_us - 50_000) for e in found]
     settled = found[15:40]
-    # The saliency is of the last 50 ms, through which the target has moved 25 px.
+    # The saliency covers the last 50 ms, in which the target moves 25 px.
     assert max(map(distance_px, settled)) < 40.0
     for e in settled:
         assert e.direction is Direction.RIGHT
@@ -131,7 +131,7 @@ def test_the_view_centre_converges_to_a_small_target_and_follows_it(noise_hz: fl
     assert travelled == pytest.approx(500 * 0.24, abs=25)
 
 
-def test_the_region_holds_the_small_target() -> None:
+def test_the_region_contains_the_small_target() -> None:
     for e in FlyDetector().push(small_target(noise_hz=1.0))[20:40]:
         right_px = 40 + 24 + 500e-6 * e.t_us
         truth = int(right_px) - 24, 50, int(right_px), 74
@@ -142,7 +142,7 @@ def test_the_region_holds_the_small_target() -> None:
 
 
 @pytest.mark.parametrize("far", [(300, 220), (20, 20), (330, 62)])
-def test_isolated_noise_does_not_capture_the_view_centre(far: tuple[int, int]) -> None:
+def test_hot_pixels_do_not_attract_the_view_centre(far: tuple[int, int]) -> None:
     # Four hot pixels close together, each firing more often than any pixel of the target.
     rows, columns = np.mgrid[far[1] : far[1] + 2, far[0] : far[0] + 2]
     burst = np.zeros((4, 80), EVENT_DTYPE)
@@ -154,7 +154,7 @@ def test_isolated_noise_does_not_capture_the_view_centre(far: tuple[int, int]) -
 
 
 @pytest.mark.parametrize("noise_hz", [0.0, 1.0, 5.0])
-def test_attention_lets_go_when_the_target_has_left(noise_hz: float) -> None:
+def test_attention_returns_to_the_image_centre_when_the_target_is_gone(noise_hz: float) -> None:
     fly = FlyDetector()
     events = small_target(noise_hz=noise_hz)
     found = fly.push(events) + fly.advance(800_000)
@@ -165,7 +165,7 @@ def test_attention_lets_go_when_the_target_has_left(noise_hz: float) -> None:
 
 
 @pytest.mark.parametrize("attention", [Attention.MAXIMUM, Attention.EVERYWHERE])
-def test_other_readings_of_attention(attention: Attention) -> None:
+def test_other_variants_of_attention(attention: Attention) -> None:
     found = FlyDetector(FlyConfig(attention=attention)).push(small_target(noise_hz=0.0))
     for e in found[15:40]:
         assert e.direction is Direction.RIGHT
@@ -177,7 +177,7 @@ def test_other_readings_of_attention(attention: Attention) -> None:
 
 
 @pytest.mark.parametrize(
-    "reading",
+    "variant",
     [
         {"time_surface": TimeSurface.ITSELF},
         {"averaging": Averaging.BOTH},
@@ -190,9 +190,9 @@ def test_other_readings_of_attention(attention: Attention) -> None:
         {"normalisation": Normalisation.TOTAL},
     ],
 )
-def test_every_reading_can_be_selected_and_changes_something(reading: dict[str, Any]) -> None:
+def test_every_model_variant_can_be_selected_and_changes_estimates(variant: dict[str, Any]) -> None:
     events, view_us = crossing(car(), speed_px_s=518, direction=Direction.RIGHT)
-    usual, other = FlyDetector(), FlyDetector(FlyConfig(**reading))
+    usual, other = FlyDetector(), FlyDetector(FlyConfig(**variant))
     found = [fly.push(events) + fly.advance(view_us) for fly in (usual, other)]
     assert found[0] != found[1]
     assert all(-1.0 < e.hs < 1.0 and -1.0 < e.vs < 1.0 for e in found[1])
@@ -216,22 +216,22 @@ cuts = st.lists(st.integers(0, 10**6), max_size=12)
 
 @cache
 def uncut(preset: str) -> tuple[FlyDetector, list[MotionEstimate]]:
-    """A fly that saw the busy stream at once, and what it said."""
+    """Return a fly that read the busy stream at once, and its estimates."""
     fly, events = FlyDetector(FlyConfig.preset(preset)), busy_stream()
     return fly, fly.push(events) + fly.advance(int(events["t"][-1]) + 200_000)
 
 
 @pytest.mark.parametrize("preset", ["paper", "wide"])
 @settings(max_examples=12, deadline=None)
-@given(cuts=cuts, tell_time=st.booleans())
+@given(cuts=cuts, with_advance=st.booleans())
 def test_the_cuts_between_chunks_change_no_bit(
-    preset: str, cuts: list[int], tell_time: bool
+    preset: str, cuts: list[int], with_advance: bool
 ) -> None:
     events, (whole, expected) = busy_stream(), uncut(preset)
     fly, found, start = FlyDetector(whole.config), list[MotionEstimate](), 0
     for cut in [*sorted(c % events.size for c in cuts), events.size]:
         found += fly.push(events[start:cut])
-        if tell_time and cut < events.size:
+        if with_advance and cut < events.size:
             found += fly.advance(int(events["t"][cut]))
         start = cut
     found += fly.advance(int(events["t"][-1]) + 200_000)
@@ -241,31 +241,31 @@ def test_the_cuts_between_chunks_change_no_bit(
 
 @settings(max_examples=5, deadline=None)
 @given(start=st.integers(0, 20_000), size=st.integers(50, 400))
-def test_event_by_event_is_as_good_as_at_once(start: int, size: int) -> None:
+def test_event_by_event_gives_the_same_estimates_as_at_once(start: int, size: int) -> None:
     events = busy_stream()[start : start + size]
     fly = FlyDetector()
     found = [e for n in range(size) for e in fly.push(events[n : n + 1])]
     assert found == FlyDetector().push(events)
 
 
-def test_an_estimate_comes_with_the_first_event_at_or_after_its_end() -> None:
+def test_an_estimate_is_returned_with_the_first_event_at_or_after_its_end() -> None:
     fly = FlyDetector()
-    assert fly.push(at(9_999)) == []
-    assert [e.t_us for e in fly.push(at(10_000))] == [10_000]
-    assert [e.t_us for e in fly.push(at(35_000))] == [20_000, 30_000]
+    assert fly.push(one_event(9_999)) == []
+    assert [e.t_us for e in fly.push(one_event(10_000))] == [10_000]
+    assert [e.t_us for e in fly.push(one_event(35_000))] == [20_000, 30_000]
 
 
-def test_advance_gives_every_due_estimate_once() -> None:
+def test_advance_returns_every_due_estimate_once() -> None:
     fly = FlyDetector()
     assert [e.t_us for e in fly.advance(30_000)] == [10_000, 20_000, 30_000]
     assert fly.advance(30_000) == []
     assert fly.advance(39_999) == []
 
 
-def test_an_empty_stream_and_a_single_event_are_none() -> None:
+def test_an_empty_stream_and_a_single_event_give_none() -> None:
     fly = FlyDetector()
     assert fly.push(empty_events()) == []
-    fly.push(at(5_000))
+    fly.push(one_event(5_000))
     found = fly.advance(200_000)
     assert len(found) == 20
     for e in found:
@@ -278,47 +278,47 @@ def test_an_empty_stream_and_a_single_event_are_none() -> None:
     "bad",
     [
         np.array([(30_000, 1, 1, 1), (20_000, 1, 1, 1)], EVENT_DTYPE),
-        at(30_000, x=346),
-        at(30_000, y=-1),
-        at(11_000),
+        one_event(30_000, x=346),
+        one_event(30_000, y=-1),
+        one_event(11_000),
         np.zeros(4),
     ],
 )
 def test_a_refused_chunk_changes_nothing(bad: Events) -> None:
     fly, other = FlyDetector(), FlyDetector()
     for detector in (fly, other):
-        detector.push(at(12_000))
+        detector.push(one_event(12_000))
     with pytest.raises(EventError):
         fly.push(bad)
     assert fly.push(busy_stream()[5_000:]) == other.push(busy_stream()[5_000:])
 
 
-def test_time_cannot_be_moved_back() -> None:
+def test_time_that_goes_back_is_refused() -> None:
     fly = FlyDetector()
     fly.advance(50_000)
-    with pytest.raises(EventError, match="time 40000 µs comes after time 50000 µs"):
+    with pytest.raises(EventError, match="Time 40000 µs comes after time 50000 µs"):
         fly.advance(40_000)
     with pytest.raises(EventError):
-        fly.push(at(49_999))
-    assert fly.push(at(50_000)) == []
+        fly.push(one_event(49_999))
+    assert fly.push(one_event(50_000)) == []
 
 
-def test_a_time_that_is_no_number_is_refused_and_leaves_the_order_checks_on() -> None:
+def test_after_a_refused_nan_the_order_is_still_checked() -> None:
     fly = FlyDetector()
     fly.advance(50_000)
-    with pytest.raises(EventError, match="time is nan; allowed is a whole number"):
+    with pytest.raises(EventError, match=r"time is nan\. Allowed is a whole number"):
         fly.advance(float("nan"))  # type: ignore[arg-type]
-    with pytest.raises(EventError, match="time 40000 µs comes after time 50000 µs"):
+    with pytest.raises(EventError, match="Time 40000 µs comes after time 50000 µs"):
         fly.advance(40_000)
 
 
-@pytest.mark.parametrize("tell_time", [False, True])
-def test_a_gap_of_hours_costs_no_more_than_the_quiet_limit(tell_time: bool) -> None:
+@pytest.mark.parametrize("with_advance", [False, True])
+def test_a_gap_of_hours_costs_no_more_than_the_quiet_limit(with_advance: bool) -> None:
     fly = FlyDetector(FlyConfig(quiet_limit_us=1_000_000))
     hours_us = 5 * 3600 * 10**6
-    fly.push(at(5_000))
-    found = fly.advance(hours_us // 2) if tell_time else []
-    found += fly.push(at(hours_us + 12_345))
+    fly.push(one_event(5_000))
+    found = fly.advance(hours_us // 2) if with_advance else []
+    found += fly.push(one_event(hours_us + 12_345))
     assert [found[0].t_us, found[-1].t_us] == [10_000, 1_000_000]
     assert len(found) == 100
     assert [e.t_us for e in fly.advance(hours_us + 30_000)] == [
@@ -327,7 +327,7 @@ def test_a_gap_of_hours_costs_no_more_than_the_quiet_limit(tell_time: bool) -> N
     ]
 
 
-def test_after_a_gap_the_fly_sees_as_if_it_were_new() -> None:
+def test_after_a_gap_the_fly_decides_like_a_new_one() -> None:
     config = FlyConfig(quiet_limit_us=1_000_000)
     later = busy_stream().copy()
     later["t"] += 3600 * 10**6
@@ -339,7 +339,7 @@ def test_after_a_gap_the_fly_sees_as_if_it_were_new() -> None:
     np.testing.assert_allclose([e.hs for e in after], [e.hs for e in fresh], rtol=1e-6)
 
 
-def test_after_a_quiet_gap_nothing_of_before_is_left() -> None:
+def test_after_a_quiet_gap_estimates_equal_those_of_a_new_fly() -> None:
     config = FlyConfig(quiet_limit_us=100_000)
     before, view_us = crossing(
         textured_box(), speed_px_s=1000, direction=Direction.RIGHT, lead_us=1_000
@@ -357,12 +357,12 @@ def test_after_a_quiet_gap_nothing_of_before_is_left() -> None:
     assert [e for e in found if e.t_us > 3600 * 10**6] == expected
 
 
-@pytest.mark.parametrize("told_us", [10 * 3600 * 10**6, 61_000_000, 10 * 3600 * 10**6 - 12_345])
-def test_time_told_before_a_late_first_event_changes_no_estimate(told_us: int) -> None:
+@pytest.mark.parametrize("early_us", [10 * 3600 * 10**6, 61_000_000, 10 * 3600 * 10**6 - 12_345])
+def test_an_advance_before_a_late_first_event_changes_no_estimate(early_us: int) -> None:
     later = busy_stream().copy()
     later["t"] += 10 * 3600 * 10**6
     fly = FlyDetector()
-    assert fly.advance(told_us) == []
+    assert fly.advance(early_us) == []
     found = fly.push(later)
     assert found
     assert found == FlyDetector().push(later)
@@ -373,7 +373,7 @@ def test_memory_beyond_the_input_stays_under_100_mb() -> None:
     events = np.zeros(1_000_000, EVENT_DTYPE)
     events["t"] = np.sort(rng.integers(0, 100_000, events.size))
     events["x"], events["y"] = rng.integers(0, 346, events.size), rng.integers(0, 260, events.size)
-    FlyDetector().push(events[:200_000])  # What is compiled is no memory of the fly's.
+    FlyDetector().push(events[:200_000])  # Memory for compilation does not count.
     tracemalloc.start()
     try:
         fly = FlyDetector()
@@ -388,11 +388,11 @@ def test_memory_beyond_the_input_stays_under_100_mb() -> None:
 def test_a_stream_that_begins_late_starts_with_its_first_event() -> None:
     unix_us = 1_700_000_000_000_000
     fly = FlyDetector()
-    assert fly.push(at(unix_us)) == []
+    assert fly.push(one_event(unix_us)) == []
     assert [e.t_us for e in fly.advance(unix_us + 20_000)] == [unix_us + 10_000, unix_us + 20_000]
 
 
-def test_maps_belong_to_the_last_estimate_and_do_not_change_later() -> None:
+def test_maps_are_those_of_the_last_estimate_and_do_not_change_later() -> None:
     events = busy_stream()
     half = events.size // 2
     fly = FlyDetector()
@@ -412,7 +412,7 @@ def test_maps_belong_to_the_last_estimate_and_do_not_change_later() -> None:
 def test_a_mirrored_stream_gives_the_opposite_response(
     direction: Direction, field: str, system: int
 ) -> None:
-    # A sensor of whole cells: the grid is its own mirror image.
+    # The sensor has whole cells only, so that its grid is symmetric.
     side_px = {"x": 345, "y": 258}
     events, view_us = crossing(car(150, 45), speed_px_s=518, direction=direction)
     events = events[(events["x"] < side_px["x"]) & (events["y"] < side_px["y"])]
@@ -428,7 +428,7 @@ def test_a_mirrored_stream_gives_the_opposite_response(
     np.testing.assert_allclose(responses[1], responses[0], rtol=1e-5, atol=0.01)
 
 
-def test_a_search_square_may_hold_no_cell() -> None:
+def test_a_search_square_may_contain_no_cell() -> None:
     fly = FlyDetector(FlyConfig(roi_radius_px=1), width=348)
     found = fly.push(busy_stream())
     assert found
@@ -436,28 +436,30 @@ def test_a_search_square_may_hold_no_cell() -> None:
 
 @pytest.mark.parametrize("bad", [346.0, "346", None, True])
 @pytest.mark.parametrize("side", ["width", "height"])
-def test_a_side_that_is_no_whole_number_is_refused(side: str, bad: object) -> None:
-    with pytest.raises(DetectorConfigError, match=f"{side} is {bad!r}; allowed is a whole number"):
+def test_a_side_that_is_not_a_whole_number_is_refused(side: str, bad: object) -> None:
+    with pytest.raises(
+        DetectorConfigError, match=rf"{side} is {bad!r}\. Allowed is a whole number"
+    ):
         FlyDetector(**{side: bad})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("bad", ["wide", {}, 0])
-def test_what_is_no_configuration_is_refused(bad: object) -> None:
+def test_a_value_that_is_not_a_configuration_is_refused(bad: object) -> None:
     with pytest.raises(DetectorConfigError, match=r"configuration is .*FlyConfig\.preset"):
         FlyDetector(bad)  # type: ignore[arg-type]
 
 
-def test_times_that_no_stream_has_are_refused_with_their_remedy() -> None:
+def test_times_before_0_and_too_late_times_are_refused() -> None:
     fly = FlyDetector()
-    with pytest.raises(DetectorError, match=f"time is {2**63} µs; allowed is up to"):
+    with pytest.raises(DetectorError, match=rf"time is {2**63} µs\. Allowed is up to"):
         fly.advance(2**63)
-    with pytest.raises(DetectorError, match="times start at 0; subtract the first time"):
-        fly.push(at(-5))
-    with pytest.raises(DetectorError, match="times start at 0; subtract the first time"):
+    with pytest.raises(DetectorError, match=r"times start at 0\. Subtract the first time"):
+        fly.push(one_event(-5))
+    with pytest.raises(DetectorError, match=r"times start at 0\. Subtract the first time"):
         fly.advance(-5)
-    assert [e.t_us for e in fly.push(at(10_000))] == [10_000]
+    assert [e.t_us for e in fly.push(one_event(10_000))] == [10_000]
 
 
 def test_a_sensor_smaller_than_a_correlation_distance_is_refused() -> None:
-    with pytest.raises(DetectorConfigError, match="sensor is 346×14 px; allowed is 15 to 32767"):
+    with pytest.raises(DetectorConfigError, match=r"sensor is 346×14 px\. Allowed is 15 to 32767"):
         FlyDetector(height=14)

@@ -19,7 +19,7 @@ def tallies(total: float, number: int) -> npt.NDArray[np.float64]:
         (Averaging.NONE, 6.0),
     ],
 )
-def test_divides_by_what_it_says(averaging: Averaging, expected: float) -> None:
+def test_divides_by_the_chosen_divisor(averaging: Averaging, expected: float) -> None:
     mean = averaged_histogram(tallies(6.0, 3), averaging=averaging, cell_area=9)
     assert mean.dtype == np.float32
     np.testing.assert_allclose(mean, expected, rtol=1e-6)
@@ -30,7 +30,7 @@ def test_an_empty_cell_is_zero() -> None:
         assert averaged_histogram(tallies(0, 0), averaging=averaging, cell_area=9).max() == 0.0
 
 
-def test_a_window_adds_its_hops_from_the_oldest_on() -> None:
+def test_a_window_is_the_sum_of_its_hops_from_the_oldest() -> None:
     hops = np.random.default_rng(0).random((5, 2, 3, 4, 2))
     hops[..., 1] = 1.0
     total = averaged_histogram(hops, averaging=Averaging.NONE, cell_area=9)

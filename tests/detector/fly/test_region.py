@@ -3,7 +3,7 @@ import numpy as np
 from detector.fly.region import region_of_interest
 
 
-def test_takes_in_what_is_connected_and_leaves_the_rest() -> None:
+def test_contains_only_connected_cells() -> None:
     activity = np.zeros((30, 30), np.float32)
     activity[10:14, 10:14] = 1.0
     activity[14, 14] = 1.0
@@ -20,25 +20,25 @@ def test_stays_within_reach_of_the_view_centre() -> None:
     assert (columns.min(), columns.max(), rows.min(), rows.max()) == (15, 25, 0, 8)
 
 
-def test_grows_from_the_nearest_active_cell_when_the_centre_is_still() -> None:
+def test_grows_from_the_nearest_active_cell_if_the_centre_is_inactive() -> None:
     activity = np.zeros((30, 30), np.float32)
     activity[5, 5] = activity[5, 16] = 1.0
     region = region_of_interest(activity, (13.0, 5.0), reach=12.0, share=0.1)
     assert np.argwhere(region).tolist() == [[5, 16]]
 
 
-def test_weak_activity_does_not_join() -> None:
+def test_excludes_weak_activity() -> None:
     activity = np.full((20, 20), 0.05, np.float32)
     activity[9:12, 9:12] = 1.0
     assert region_of_interest(activity, (10.0, 10.0), reach=8.0, share=0.1).sum() == 9
 
 
-def test_is_empty_where_the_square_holds_no_cell() -> None:
+def test_is_empty_if_the_square_contains_no_cell() -> None:
     activity = np.ones((30, 30), np.float32)
     assert not region_of_interest(activity, (12.5, 12.5), reach=1 / 3, share=0.1).any()
 
 
-def test_is_empty_where_nothing_is_active_within_reach() -> None:
+def test_is_empty_if_no_cell_within_reach_is_active() -> None:
     activity = np.zeros((30, 30), np.float32)
     activity[25, 25] = 1.0
     assert not region_of_interest(activity, (5.0, 5.0), reach=6.0, share=0.1).any()

@@ -33,7 +33,7 @@ def halfway() -> FlyDetector:
 
 @cache
 def uninterrupted(config: FlyConfig) -> tuple[FlyDetector, list[MotionEstimate]]:
-    """A fly that saw the stream at once, and what it said."""
+    """Return a fly that read the stream at once, and its estimates."""
     fly = FlyDetector(config)
     return fly, fly.push(stream()) + fly.advance(600_000)
 
@@ -41,7 +41,7 @@ def uninterrupted(config: FlyConfig) -> tuple[FlyDetector, list[MotionEstimate]]
 @pytest.mark.parametrize("config", PRESETS)
 @settings(max_examples=6, deadline=None)
 @given(cut=st.integers(0, 40_000))
-def test_a_restored_fly_goes_on_as_if_nothing_had_happened(config: FlyConfig, cut: int) -> None:
+def test_a_restored_fly_returns_the_same_estimates_and_maps(config: FlyConfig, cut: int) -> None:
     events, (whole, expected) = stream(), uninterrupted(config)
     first, second = FlyDetector(config), FlyDetector(config)
     found = first.push(events[:cut])
@@ -78,13 +78,13 @@ def test_a_state_is_a_copy() -> None:
         np.testing.assert_array_equal(array, kept[name])
 
 
-def test_a_fresh_fly_gives_and_takes_a_state() -> None:
+def test_a_new_fly_saves_and_restores_a_state() -> None:
     fly = FlyDetector()
     fly.restore(FlyDetector().state())
     assert fly.push(stream()) == FlyDetector().push(stream())
 
 
-def test_order_is_kept_across_a_restore() -> None:
+def test_order_is_checked_across_a_restore() -> None:
     fly = FlyDetector()
     fly.restore(halfway().state())
     with pytest.raises(ValueError, match="time must not go back"):
@@ -93,23 +93,23 @@ def test_order_is_kept_across_a_restore() -> None:
 
 def test_another_configuration_or_sensor_is_refused() -> None:
     state = halfway().state()
-    with pytest.raises(StateError, match=r"state's config is .* make a detector with"):
+    with pytest.raises(StateError, match=r"config of the state is .* Make a detector with"):
         FlyDetector(replace(FlyConfig(), alpha=0.25)).restore(state)
-    with pytest.raises(StateError, match=r"state's sensor is \[346, 260\]"):
+    with pytest.raises(StateError, match=r"sensor of the state is \[346, 260\]"):
         FlyDetector(width=640, height=480).restore(state)
 
 
-def broken(state: State, name: str) -> State:
+def without(state: State, name: str) -> State:
     return {key: value for key, value in state.items() if key != name}
 
 
 @pytest.mark.parametrize("name", ["format", "surfaces.totals", "centre.steered", "fly.hop"])
-def test_a_state_that_is_not_whole_is_refused(name: str) -> None:
+def test_a_state_without_one_of_its_arrays_is_refused(name: str) -> None:
     with pytest.raises(StateError, match=f"{name}"):
-        FlyDetector().restore(broken(halfway().state(), name))
+        FlyDetector().restore(without(halfway().state(), name))
 
 
-def test_arrays_of_another_kind_are_refused_and_change_nothing() -> None:
+def test_unfit_arrays_are_refused_and_change_nothing() -> None:
     state = halfway().state()
     cases = {
         "surfaces.totals": state["surfaces.totals"][:-1],
@@ -119,12 +119,12 @@ def test_arrays_of_another_kind_are_refused_and_change_nothing() -> None:
     }
     fly = FlyDetector()
     for name, array in cases.items():
-        with pytest.raises(StateError, match="pass what FlyDetector"):
+        with pytest.raises(StateError, match="Pass everything that FlyDetector"):
             fly.restore(state | {name: array})
     assert fly.push(stream()) == FlyDetector().push(stream())
 
 
-NONSENSE: dict[str, object] = {
+NOT_FINITE: dict[str, object] = {
     "centre.position": np.array([np.nan, 3.0]),
     "centre.steered": np.full((5, 2), np.inf),
     "surfaces.surfaces": np.full((6, 2, 87, 116), np.nan, np.float32),
@@ -132,41 +132,43 @@ NONSENSE: dict[str, object] = {
 }
 
 
-@pytest.mark.parametrize("name", NONSENSE)
-def test_what_is_no_finite_number_is_refused(name: str) -> None:
-    with pytest.raises(StateError, match=f"{name} of the state .* allowed"):
-        FlyDetector().restore(halfway().state() | {name: NONSENSE[name]})  # type: ignore[arg-type]
+@pytest.mark.parametrize("name", NOT_FINITE)
+def test_values_that_are_not_finite_arrays_are_refused(name: str) -> None:
+    with pytest.raises(StateError, match=f"{name} of the state .* Allowed"):
+        FlyDetector().restore(halfway().state() | {name: NOT_FINITE[name]})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("state", [None, 3, [np.zeros(3)]])
-def test_what_holds_no_arrays_is_no_state(state: object) -> None:
-    with pytest.raises(StateError, match=r"the state is of type .*allowed are arrays by name"):
+def test_a_value_without_arrays_is_refused(state: object) -> None:
+    with pytest.raises(StateError, match=r"The state is of type .*Allowed are arrays by name"):
         FlyDetector().restore(state)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("hop", [0, -5, 1_000_000_000])
 def test_a_hop_of_another_time_is_refused(hop: int) -> None:
-    with pytest.raises(StateError, match=rf"the state is in hop {hop} at \d+ µs; allowed is"):
+    with pytest.raises(StateError, match=rf"The state is in hop {hop} at \d+ µs\. Allowed is"):
         FlyDetector().restore(halfway().state() | {"fly.hop": np.array(hop)})
 
 
-@pytest.mark.parametrize(("place", "value"), [(0, 10**9), (0, -1), (1, 10**9), (1, -(10**9))])
-def test_a_clock_that_contradicts_the_stream_is_refused(place: int, value: int) -> None:
+@pytest.mark.parametrize(("entry", "value"), [(0, 10**9), (0, -1), (1, 10**9), (1, -(10**9))])
+def test_a_clock_that_contradicts_the_stream_is_refused(entry: int, value: int) -> None:
     state = halfway().state()
-    state["surfaces.clock"][place] = value
-    with pytest.raises(StateError, match="the state's last event is at"):
+    state["surfaces.clock"][entry] = value
+    with pytest.raises(StateError, match="The last event of the state is at"):
         FlyDetector().restore(state)
 
 
-def test_a_view_centre_beside_the_grid_is_refused() -> None:
+def test_a_view_centre_outside_the_grid_is_refused() -> None:
     state = halfway().state() | {"centre.position": np.array([116.0, 40.0])}
-    with pytest.raises(StateError, match=r"looks at \[116.0, 40.0\]; allowed are cells"):
+    with pytest.raises(
+        StateError, match=r"view centre of the state is \[116.0, 40.0\]\. Allowed are cells"
+    ):
         FlyDetector().restore(state)
 
 
 @pytest.mark.parametrize("until_us", [0, 9_999, 10_000, 59_000_000, 61_000_000, 10**10])
 @pytest.mark.parametrize("is_fresh", [True, False])
-def test_a_state_after_any_silence_is_taken(until_us: int, is_fresh: bool) -> None:
+def test_a_state_after_any_quiet_time_is_restored(until_us: int, is_fresh: bool) -> None:
     fly, later = FlyDetector(), FlyDetector()
     if not is_fresh:
         fly.push(stream()[:10])

@@ -14,12 +14,10 @@ from detector.fly.tangential import (
     shares_of_total,
     signal_to_noise,
     vertical_system,
-    winner_take_all,
 )
-from flybench.direction import Direction
 
 
-def test_lobula_plate_sums_only_the_region() -> None:
+def test_lobula_plate_sums_only_over_the_region() -> None:
     maps = np.stack([np.full((3, 4), n, np.float32) for n in (1, 2, 3, 4)])
     attended = np.zeros((3, 4), np.bool_)
     attended[1, 1:3] = True
@@ -50,7 +48,7 @@ def test_shares_stay_inside_the_open_interval(lp: tuple[float, float, float, flo
     assert all(-1.0 < share < 1.0 for share in shares_of_total((right, left, up, down)))
 
 
-def test_a_share_is_of_both_directions() -> None:
+def test_a_share_is_relative_to_both_directions() -> None:
     assert shares_of_total((5.0, 3.0, 3.0, 1.0)) == (0.25, -0.5)
     assert shares_of_total((0.0, 0.0, 0.0, 0.0)) == (0.0, 0.0)
 
@@ -69,20 +67,20 @@ def test_signal_to_noise_is_the_sum_over_the_root_of_the_power() -> None:
     assert vertical == 0.0
 
 
-def test_signal_to_noise_of_cells_that_agree_grows_with_the_root_of_their_number() -> None:
+def test_signal_to_noise_of_equal_cells_is_the_root_of_their_number() -> None:
     for number in (1, 16, 100):
         maps = opponent_maps([7.0] * number, [2.0] * number)
         ratio = signal_to_noise(maps, np.ones((1, number), np.bool_))[0]
         assert ratio == pytest.approx(math.sqrt(number))
 
 
-def test_signal_to_noise_of_silence_and_of_no_region_is_zero() -> None:
+def test_signal_to_noise_without_response_or_region_is_zero() -> None:
     maps = opponent_maps([7.0, 0.0], [2.0, 0.0])
     assert signal_to_noise(maps, np.array([[False, True]])) == (0.0, 0.0)
     assert signal_to_noise(maps, np.zeros((1, 2), np.bool_)) == (0.0, 0.0)
 
 
-def test_signal_to_noise_of_random_signs_is_that_of_a_normal_variable() -> None:
+def test_signal_to_noise_of_random_signs_has_unit_variance() -> None:
     rng = np.random.default_rng(0)
     signs = rng.choice([-1.0, 1.0], (2000, 300)) * rng.exponential(1.0, (2000, 300))
     ratios = [
@@ -90,42 +88,3 @@ def test_signal_to_noise_of_random_signs_is_that_of_a_normal_variable() -> None:
         for row in signs
     ]
     assert np.mean(np.square(ratios)) == pytest.approx(1.0, abs=0.1)
-
-
-@pytest.mark.parametrize(
-    ("hs", "vs", "snr", "expected"),
-    [
-        (0.5, 0.4, (9.0, 9.0), Direction.RIGHT),
-        (-0.5, 0.4, (9.0, 9.0), Direction.LEFT),
-        (0.3, 0.4, (9.0, 9.0), Direction.DOWN),
-        (0.3, -0.4, (9.0, 9.0), Direction.UP),
-        (0.2, 0.2, (9.0, 9.0), Direction.RIGHT),
-        (1e-6, 0.0, (9.0, 0.0), Direction.RIGHT),
-        (0.5, 0.4, (2.9, 9.0), Direction.NONE),
-        (0.4, 0.5, (9.0, 2.9), Direction.NONE),
-        (0.0, 0.0, (0.0, 0.0), Direction.NONE),
-    ],
-)
-def test_the_stronger_system_wins_if_it_stands_out(
-    hs: float, vs: float, snr: tuple[float, float], expected: Direction
-) -> None:
-    assert winner_take_all(hs, vs, snr=snr, snr_floor=3.0) is expected
-
-
-@pytest.mark.parametrize(
-    ("shares", "expected"),
-    [
-        ((0.03, 0.0), Direction.LEFT),
-        ((-0.03, 0.0), Direction.LEFT),
-        ((0.029, 1.0), Direction.NONE),
-    ],
-)
-def test_a_share_below_its_floor_is_none(shares: tuple[float, float], expected: Direction) -> None:
-    found = winner_take_all(
-        -0.5, 0.4, snr=(9.0, 9.0), snr_floor=3.0, shares=shares, share_floor=0.03
-    )
-    assert found is expected
-
-
-def test_without_a_floor_silence_is_none_all_the_same() -> None:
-    assert winner_take_all(0.0, 0.0, snr=(0.0, 0.0), snr_floor=0.0) is Direction.NONE

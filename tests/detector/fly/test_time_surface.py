@@ -14,12 +14,12 @@ from flybench.events import EVENT_DTYPE, Events
 WIDTH, HEIGHT = 20, 15
 
 
-def make(rows: list[tuple[int, int, int, bool]]) -> Events:
+def events_of(rows: list[tuple[int, int, int, bool]]) -> Events:
     return np.array(sorted(rows, key=lambda row: row[0]), EVENT_DTYPE)
 
 
-def by_the_book(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.float64]:
-    """Equations 2 to 8, one event at a time."""
+def reference_surfaces(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.float64]:
+    """Compute equations 2 to 8 event by event."""
     sums = np.zeros((2, -(-HEIGHT // c.cell_px), -(-WIDTH // c.cell_px)))
     counts = np.zeros_like(sums)
     for t, x, y, p in events.tolist():
@@ -54,7 +54,7 @@ def surfaces_at(events: Events, c: FlyConfig, end_us: int) -> npt.NDArray[np.flo
     return surfaces.average(hop=end_us // c.hop_us - 1)
 
 
-# Few pixels and few distinct times: repeats, ties and expiry all happen.
+# Few pixels and few distinct times, so that repeats, ties and expiry all occur.
 crowded = st.lists(
     st.tuples(
         st.integers(0, 60).map(lambda n: n * 2_500),
@@ -63,7 +63,7 @@ crowded = st.lists(
         st.booleans(),
     ),
     max_size=80,
-).map(make)
+).map(events_of)
 
 
 @pytest.mark.parametrize("averaging", list(Averaging))
@@ -75,37 +75,37 @@ def test_agrees_with_the_equations(
 ) -> None:
     config = FlyConfig(averaging=averaging, neighbourhood_px=neighbourhood_px)
     for end_us in (100_000, 160_000):
-        expected = by_the_book(events, config, end_us)
+        expected = reference_surfaces(events, config, end_us)
         np.testing.assert_allclose(surfaces_at(events, config, end_us), expected, rtol=1e-6)
 
 
 def test_an_isolated_event_scores_exactly_zero_after_a_busy_past() -> None:
     busy = [(t, 4, 4, True) for t in range(0, 30_000, 7)]
     alone = [(115_000, 4, 4, True)]
-    assert surfaces_at(make(busy + alone), FlyConfig(), 50_000)[1, 1, 1] > 1000.0
-    assert surfaces_at(make(busy + alone), FlyConfig(), 120_000)[1, 1, 1] == 0.0
+    assert surfaces_at(events_of(busy + alone), FlyConfig(), 50_000)[1, 1, 1] > 1000.0
+    assert surfaces_at(events_of(busy + alone), FlyConfig(), 120_000)[1, 1, 1] == 0.0
 
 
-def test_events_of_one_microsecond_do_not_see_each_other() -> None:
-    twins = make([(5, 4, 4, True), (5, 4, 4, True)])
+def test_events_of_one_microsecond_do_not_affect_each_other() -> None:
+    twins = events_of([(5, 4, 4, True), (5, 4, 4, True)])
     assert surfaces_at(twins, FlyConfig(averaging=Averaging.NONE), 50_000).max() == 0.0
 
 
 def test_an_event_may_count_in_its_own_surface() -> None:
     config = FlyConfig(time_surface=TimeSurface.ITSELF, averaging=Averaging.NONE)
-    alone = make([(115_000, 4, 4, True)])
+    alone = events_of([(115_000, 4, 4, True)])
     assert surfaces_at(alone, config, 120_000)[1, 1, 1] == 1.0
-    pair = make([(100_000, 4, 4, True), (115_000, 4, 4, True)])
+    pair = events_of([(100_000, 4, 4, True), (115_000, 4, 4, True)])
     expected = 2.0 + math.exp(-15 / 30)
     assert surfaces_at(pair, config, 120_000)[1, 1, 1] == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("tau_us", [500, 30_000, 10_000_000])
-def test_renewing_the_unit_of_the_weights_changes_nothing(tau_us: int) -> None:
-    # Past 300 τ, or 17 s, the weights start afresh: once at least in 40 s.
+def test_renewing_the_origin_of_the_weights_changes_nothing(tau_us: int) -> None:
+    # The origin is renewed after 300 τ or 17 s: at least once in 40 s.
     config = FlyConfig(tau_us=tau_us, averaging=Averaging.NONE)
     times = [0, 7_000, 16_777_000, 16_790_000, 39_960_000, 39_970_000, 39_990_000]
-    events = make([(t, 4, 4, True) for t in times])
+    events = events_of([(t, 4, 4, True) for t in times])
     lags = np.array([10_000, 30_000, 20_000])
     expected = np.exp(-lags / tau_us).sum()
     assert surfaces_at(events, config, 40_000_000)[1, 1, 1] == pytest.approx(expected, rel=1e-6)
@@ -114,7 +114,7 @@ def test_renewing_the_unit_of_the_weights_changes_nothing(tau_us: int) -> None:
 def test_the_delayed_signal_is_the_mean_over_the_delays() -> None:
     config = FlyConfig(delay_us=20_000, further_delays_us=(50_000,))
     surfaces = TimeSurfaces(config, width=WIDTH, height=HEIGHT)
-    events = make([(t, 4 + t // 20_000, 4, True) for t in range(0, 120_000, 3_000)])
+    events = events_of([(t, 4 + t // 20_000, 4, True) for t in range(0, 120_000, 3_000)])
     taken, kept = 0, []
     for hop in range(12):
         surfaces.begin_hop(hop)
@@ -126,23 +126,23 @@ def test_the_delayed_signal_is_the_mean_over_the_delays() -> None:
 
 def test_the_window_includes_its_start() -> None:
     config = FlyConfig(averaging=Averaging.NONE)
-    pair = make([(9_999, 4, 4, False), (59_999, 4, 4, False)])
-    late = make([(9_998, 4, 4, False), (59_999, 4, 4, False)])
+    pair = events_of([(9_999, 4, 4, False), (59_999, 4, 4, False)])
+    late = events_of([(9_998, 4, 4, False), (59_999, 4, 4, False)])
     expected = math.exp(-50 / 30)
     assert surfaces_at(pair, config, 60_000)[0, 1, 1] == pytest.approx(expected, rel=1e-6)
     assert surfaces_at(late, config, 60_000)[0, 1, 1] == 0.0
 
 
-def test_long_activity_drifts_by_nothing_that_matters() -> None:
-    # 40 s are more than four renewals of the weights' unit.
+def test_long_activity_accumulates_no_error() -> None:
+    # In 40 s the origin of the weights is renewed more than four times.
     times = np.arange(0, 40_000_000, 500)
-    events = make([(int(t), 4, 4, True) for t in times])
+    events = events_of([(int(t), 4, 4, True) for t in times])
     terms = np.exp(-np.arange(500, 50_001, 500) / 30_000.0)
     end_us = 40_000_000
     assert surfaces_at(events, FlyConfig(), end_us)[1, 1, 1] == pytest.approx(terms.sum(), rel=1e-6)
 
 
-def test_memory_follows_the_window_and_not_the_stream() -> None:
+def test_memory_does_not_grow_with_the_stream() -> None:
     config = FlyConfig()
     surfaces = TimeSurfaces(config, width=WIDTH, height=HEIGHT)
     events = np.zeros(600_000, EVENT_DTYPE)

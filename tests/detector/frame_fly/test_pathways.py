@@ -10,17 +10,17 @@ from detector.frame_fly.pathways import (
     grey_levels,
     luminance_change,
     on_off,
-    share_of_present,
     spatial_difference,
+    weight_of_present,
 )
 
 
-def test_a_filter_takes_more_of_the_present_the_longer_the_interval() -> None:
-    assert share_of_present(25_000, 100_000) == pytest.approx(0.2)
-    assert share_of_present(100_000, 100_000) == pytest.approx(0.5)
+def test_the_weight_of_the_present_grows_with_the_interval() -> None:
+    assert weight_of_present(25_000, 100_000) == pytest.approx(0.2)
+    assert weight_of_present(100_000, 100_000) == pytest.approx(0.5)
 
 
-def test_grey_levels_are_of_8_bits_and_averages_of_cells() -> None:
+def test_grey_levels_have_8_bits_and_are_averaged_over_cells() -> None:
     frame = np.array([[0, 1023, 9], [1023, 0, 9]], np.uint16)
     assert grey_levels(frame, full_scale_dn=1023.0, cell_px=1)[0, 1] == pytest.approx(255.0)
     coarse = grey_levels(frame, full_scale_dn=1023.0, cell_px=2)
@@ -28,7 +28,7 @@ def test_grey_levels_are_of_8_bits_and_averages_of_cells() -> None:
     assert coarse[0, 0] == pytest.approx(127.5)
 
 
-def test_the_retina_sees_change_alone() -> None:
+def test_the_retina_responds_to_change_only() -> None:
     now, before = np.full((2, 2), 5, np.float32), np.full((2, 2), 8, np.float32)
     assert (luminance_change(now, before) == -3.0).all()
 
@@ -40,7 +40,7 @@ def test_the_kernel_is_the_gaussian_as_printed() -> None:
     assert kernel[2 + u] * kernel[2 + v] == pytest.approx(printed, rel=1e-6)
 
 
-def test_blurring_a_point_draws_the_kernel() -> None:
+def test_blurring_a_point_gives_the_kernel() -> None:
     point = np.zeros((9, 9), np.float32)
     point[4, 4] = 1.0
     kernel = gaussian_kernel(5, 2.0)
@@ -49,7 +49,7 @@ def test_blurring_a_point_draws_the_kernel() -> None:
     assert image[0].sum() == 0.0
 
 
-def test_the_sign_rule() -> None:
+def test_the_difference_of_gaussians_follows_the_sign_rule() -> None:
     centre = np.array([3.0, 1.0, -3.0, -1.0, 2.0, -2.0, 0.0], np.float32)
     surround = np.array([1.0, 3.0, -1.0, -3.0, -1.0, 1.0, 0.0], np.float32)
     difference = spatial_difference(centre[None], surround[None])[0]
@@ -75,7 +75,7 @@ def test_adaptation_follows_a_rise_fast_and_a_fall_slowly() -> None:
     assert step(adaptation, 26.0) == pytest.approx(6.0 / 26.0, rel=1e-4)
 
 
-def test_what_flickers_is_held_down() -> None:
+def test_adaptation_suppresses_flicker() -> None:
     adaptation = Adaptation((1,), rising_us=1_000, falling_us=100_000)
-    answers = [step(adaptation, 10.0 * (n % 2 == 0)) for n in range(9)]
-    assert answers[0] > 3 * max(answers[1:])
+    responses = [step(adaptation, 10.0 * (n % 2 == 0)) for n in range(9)]
+    assert responses[0] > 3 * max(responses[1:])

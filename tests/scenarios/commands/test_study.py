@@ -11,7 +11,7 @@ from scenarios.options.cache import CacheOptions
 from scenarios.output.terminal import execute
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study.rows import COLUMNS, study_rows
-from scenarios.study.runner import run_all
+from scenarios.study.runner import run_sequences
 
 TINY = Study(
     lighting="day",
@@ -27,12 +27,12 @@ TINY = Study(
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("study") / "out"
-    light = CacheOptions(cache=out.parent / "cache")
-    assert replace(TINY, out=out, light=light).execute() == 0
+    cache = CacheOptions(cache=out.parent / "cache")
+    assert replace(TINY, out=out, cache=cache).execute() == 0
     return out
 
 
-def test_the_folder_holds_all(folder: Path) -> None:
+def test_the_folder_has_report_table_figures_and_recordings(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} == {
         "figures",
         "recordings",
@@ -51,7 +51,7 @@ def test_the_folder_holds_all(folder: Path) -> None:
     assert all(float(r["cpu_s"]) > 0 for r in rows)
 
 
-def test_the_summary_tells_what_was_done_and_found(folder: Path) -> None:
+def test_the_summary_has_parameters_and_results(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["command"] == "study"
     assert summary["parameters"]["omegas"] == [2.42]
@@ -59,15 +59,15 @@ def test_the_summary_tells_what_was_done_and_found(folder: Path) -> None:
     assert found["number"] == 2
     assert found["low"] <= found["mean"] <= found["high"] <= 1.0
     holds = {claim["statement"]: claim["holds"] for claim in summary["claims"]}
-    assert holds["the event-driven fly tells the right direction in every sequence"] == "holds"
+    assert holds["the event-driven fly finds the correct direction in every sequence"] == "holds"
     assert "not tested" in holds.values()
 
 
-def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
+def test_the_results_from_cached_luminance_are_equal(folder: Path) -> None:
     cache = folder.parent / "cache"
     kept = {path.name: path.stat().st_ino for path in cache.glob("*.light")}
-    tasks = replace(TINY, light=CacheOptions(cache=cache)).tasks()
-    again = study_rows(run_all(tasks, jobs=1))
+    tasks = replace(TINY, cache=CacheOptions(cache=cache)).tasks()
+    again = study_rows(run_sequences(tasks, jobs=1))
     assert kept == {path.name: path.stat().st_ino for path in cache.glob("*.light")} != {}
     with (folder / "results.csv").open(newline="") as file:
         first = list(csv.DictReader(file))
@@ -77,40 +77,39 @@ def test_from_kept_light_it_finds_the_same(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "message"),
     [
-        ({"seeds": 0}, "--seeds is 0; allowed is 1 to 100"),
-        ({"methods": ("bee",)}, "'bee'; allowed is fly"),
-        ({"methods": (FLY, FLY)}, "--methods is fly fly; allowed is each once"),
-        ({"methods": ()}, "--methods names none"),
+        ({"seeds": 0}, "--seeds is 0. Allowed is a whole number from 1 to 100"),
+        ({"methods": ("bee",)}, "'bee'"),
+        ({"methods": (FLY, FLY)}, "--methods is fly fly. Allowed is each value once"),
+        ({"methods": ()}, "--methods is empty"),
         ({"omegas": (0.0,)}, "omega_rad_s"),
-        ({"omegas": (1.61, 1.61)}, "allowed is each once"),
-        ({"contrast_hop_ms": 30.0}, "no multiple of hop_us"),
+        ({"omegas": (1.61, 1.61)}, "Allowed is each value once"),
+        ({"contrast_hop_ms": 30.0}, "Allowed is a multiple of hop_us"),
         ({"jobs": 0}, "jobs is 0"),
     ],
 )
-def test_bad_arguments_are_refused_before_anything_is_drawn(
+def test_bad_arguments_are_refused_before_rendering(
     changes: dict[str, object],
-    words: str,
+    message: str,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert execute(replace(TINY, out=tmp_path / "out", **changes)) == 2  # type: ignore[arg-type]
-    assert words in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_somebody_elses_folder_is_left_alone(tmp_path: Path) -> None:
+def test_a_folder_not_written_by_flybench_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(ScenarioError, match="was not written by flybench"):
+    with pytest.raises(ScenarioError, match="were not written by flybench"):
         replace(TINY, out=tmp_path).execute()
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
-def test_the_report_says_how_to_run_it_again() -> None:
+def test_the_report_has_the_command_that_repeats_the_study() -> None:
     assert Study()._command() == "flybench study"
-    told = replace(TINY, recordings=False)._command()
-    assert told == (
+    assert replace(TINY, recordings=False)._command() == (
         "flybench study --lighting day --omegas 2.42 --methods fly frame-fly "
         "contrast-maximisation --seeds 2 --no-recordings --step-px 8.0 --supersample 1"
     )

@@ -1,4 +1,4 @@
-"""`flybench sweep` as a user calls it."""
+"""The command `flybench sweep`."""
 
 import csv
 import os
@@ -12,8 +12,9 @@ from scenarios.commands.sweep import Sweep
 from scenarios.errors import OutputError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.sweep.parameters import parameter_types
-from tests.scenarios.sweep.cheap import sweep_alone
+from tests.scenarios.sweep.quick_sweep import sweep_in_process
 
+FAILING = "tests.scenarios.sweep.quick_sweep:FailingDetector"
 TINY = """
 [fixed]
 crossing.omega_rad_s = 3.0
@@ -35,10 +36,19 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_sweep_from_file_to_table_and_again(
+def test_a_sweep_writes_its_table_and_can_be_repeated(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    command = [sys.executable, "-m", "scenarios.sweep", str(file), "--out", "out", "--jobs", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "scenarios.commands.sweep",
+        str(file),
+        "--out",
+        "out",
+        "--jobs",
+        "1",
+    ]
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
@@ -58,7 +68,7 @@ def test_a_sweep_from_file_to_table_and_again(
     assert set(parameter_types()) - {"sensor.preset"} <= set(fly)
 
 
-def test_a_dry_run_prints_points_and_leaves_nothing(
+def test_a_dry_run_prints_points_and_writes_nothing(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert Sweep(file, out=tmp_path / "out", dry_run=True).execute() == 0
@@ -66,7 +76,7 @@ def test_a_dry_run_prints_points_and_leaves_nothing(
     assert "plane-fit" in printed
     assert "2 points of 1 sequences; 0 are finished" in printed
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
-    sweep_alone(file, tmp_path / "out")
+    sweep_in_process(file, tmp_path / "out")
     Sweep(file, out=tmp_path / "out", dry_run=True).execute()
     assert "2 are finished" in capsys.readouterr().out
 
@@ -78,28 +88,32 @@ def test_all_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert 'one of "day", "dusk", "night"' in printed
 
 
-def test_what_is_wrong_is_said_before_anything_is_written(file: Path, tmp_path: Path) -> None:
+def test_invalid_arguments_are_refused_before_anything_is_written(
+    file: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "out"
-    with pytest.raises(ScenarioError, match="no file is given; allowed is a TOML file"):
+    with pytest.raises(ScenarioError, match=r"No file is given\. Allowed is a TOML file"):
         Sweep(out=out).execute()
-    with pytest.raises(ScenarioError, match="jobs is 0; allowed is 1 or more"):
+    with pytest.raises(ScenarioError, match=r"jobs is 0\. Allowed is 1 or more"):
         Sweep(file, out=out, jobs=0).execute()
-    with pytest.raises(ScenarioError, match="--jobs is 2 and --dask is tcp://x; allowed is one"):
+    with pytest.raises(
+        ScenarioError, match=r"--jobs is 2 and --dask is tcp://x\. Allowed is only one"
+    ):
         Sweep(file, out=out, jobs=2, dask="tcp://x").execute()
-    light = CacheOptions(cache=tmp_path, no_cache=True)
+    cache = CacheOptions(cache=tmp_path, no_cache=True)
     with pytest.raises(ScenarioError, match="--no-cache is given too"):
-        Sweep(file, out=out, light=light).execute()
-    with pytest.raises(OutputError, match="holds what was not written by flybench"):
+        Sweep(file, out=out, cache=cache).execute()
+    with pytest.raises(OutputError, match="were not written by flybench"):
         Sweep(file, out=tmp_path).execute()
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
 
 
-def test_a_failed_point_is_told_and_the_status_says_so(
+def test_a_failed_point_is_printed_and_sets_the_exit_status(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file = tmp_path / "bee.toml"
-    file.write_text(TINY.replace('"fly", "plane-fit"', '"tests.scenarios.sweep.cheap:Bee"'))
+    file = tmp_path / "failing.toml"
+    file.write_text(TINY.replace('"fly", "plane-fit"', f'"{FAILING}"'))
     assert Sweep(file, out=tmp_path / "out", jobs=1).execute() == 1
     printed = capsys.readouterr().out
-    assert "failed: method = tests.scenarios.sweep.cheap:Bee: RuntimeError: no nectar" in printed
-    assert "1 of 1 points failed, so there is no table" in printed
+    assert f"failed: method = {FAILING}: RuntimeError: no nectar" in printed
+    assert "1 of 1 points failed, so no table is written" in printed

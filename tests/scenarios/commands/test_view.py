@@ -1,4 +1,4 @@
-"""`flybench view`: what it opens, and what it refuses."""
+"""`flybench view`: what it opens, and its errors."""
 
 import subprocess
 from pathlib import Path
@@ -7,7 +7,7 @@ import pytest
 
 from scenarios.commands import view
 from scenarios.errors import ScenarioError
-from scenarios.output.folder import RECORDING
+from scenarios.output.atomic_folder import RECORDING
 
 
 @pytest.fixture
@@ -21,10 +21,10 @@ def study(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", ["missing", "missing.rrd", "notes.txt", "empty.rrd"])
-def test_what_is_no_recording_is_refused(tmp_path: Path, name: str) -> None:
+def test_other_files_are_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "notes.txt").write_text("")
     (tmp_path / "empty.rrd").touch()
-    with pytest.raises(ScenarioError, match="there is no recording at"):
+    with pytest.raises(ScenarioError, match="There is no recording at"):
         view.find_recordings(tmp_path / name)
 
 
@@ -35,23 +35,23 @@ def test_a_run_has_one_recording(tmp_path: Path) -> None:
     assert view.find_recordings(recording) == [recording]
 
 
-def test_a_study_is_opened_whole_in_order(study: Path) -> None:
+def test_all_recordings_of_a_study_are_opened_in_order(study: Path) -> None:
     found = view.find_recordings(study)
     assert [path.stem for path in found] == ["day_1.21", "day_2.42", "night_1.07"]
 
 
-def test_one_of_a_study_is_opened_by_its_name(study: Path) -> None:
+def test_one_recording_of_a_study_is_opened_by_name(study: Path) -> None:
     assert [path.stem for path in view.find_recordings(study, "night_1.07")] == ["night_1.07"]
 
 
-def test_a_name_that_is_not_there_is_told_which_are(study: Path) -> None:
-    with pytest.raises(ScenarioError, match=r"is day_3; allowed in .* is day_1\.21, day_2\.42"):
+def test_the_error_for_an_unknown_name_lists_the_recordings(study: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"is day_3\. Allowed in .* is day_1\.21, day_2\.42"):
         view.find_recordings(study, "day_3")
-    with pytest.raises(ScenarioError, match="no study's recordings are there"):
+    with pytest.raises(ScenarioError, match="has no recordings of a study"):
         view.find_recordings(study / "elsewhere", "day_3")
 
 
-def test_all_of_a_study_go_to_one_viewer_on_this_machine(
+def test_one_local_viewer_opens_all_recordings(
     monkeypatch: pytest.MonkeyPatch, study: Path
 ) -> None:
     called: list[list[str]] = []
@@ -68,7 +68,7 @@ def test_all_of_a_study_go_to_one_viewer_on_this_machine(
     assert (bind, address, web) == ("--bind", "127.0.0.1", "--serve-web")
 
 
-def test_a_picture_shows_the_recording_that_is_named(
+def test_a_picture_shows_the_chosen_recording(
     monkeypatch: pytest.MonkeyPatch, study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shown: list[Path] = []
@@ -80,12 +80,12 @@ def test_a_picture_shows_the_recording_that_is_named(
     assert "day_2.42.rrd" in capsys.readouterr().out
 
 
-def test_a_picture_is_a_png(study: Path) -> None:
-    with pytest.raises(ScenarioError, match=r"--screenshot is a\.jpg; allowed .* ends in \.png"):
+def test_a_picture_must_be_a_png(study: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"--screenshot is a\.jpg\. Allowed .* ends in \.png"):
         view.View(study, screenshot=Path("a.jpg")).execute()
 
 
-def test_without_a_display_the_other_ways_are_named(
+def test_the_error_without_a_display_names_the_alternatives(
     monkeypatch: pytest.MonkeyPatch, study: Path
 ) -> None:
     monkeypatch.setattr(view, "has_display", lambda: False)

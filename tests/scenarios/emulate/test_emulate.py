@@ -1,4 +1,4 @@
-"""`flybench emulate`, from pictures to a file of events."""
+"""`flybench emulate`: events, warnings and errors."""
 
 import re
 from dataclasses import replace
@@ -15,29 +15,29 @@ from flybench.events import Events
 from formats import open_events, read_events
 from scenarios.commands.emulate import Emulate
 from scenarios.output.terminal import execute
-from tests.scenarios.emulate.moving import bar, pictures, wall
+from tests.scenarios.emulate.moving_pictures import bar, wall, wall_sequence
 
 
 @pytest.fixture(scope="module")
 def array(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("pictures") / "wall.npy"
-    np.save(path, pictures(60, 0.5))
+    np.save(path, wall_sequence(60, 0.5))
     return path
 
 
-def emulated(source: Path, out: Path, **options: Any) -> Events:
+def emulate(source: Path, out: Path, **options: Any) -> Events:
     command = Emulate(source, out, fps=1000.0, sensor="ideal", transfer="linear")
     assert execute(replace(command, **options)) == 0
     return read_events(out)
 
 
-def test_events_are_the_sensors_own(array: Path, tmp_path: Path) -> None:
-    found = emulated(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor="v2e_noisy", seed=3)
+def test_events_are_those_of_the_sensor(array: Path, tmp_path: Path) -> None:
+    found = emulate(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor="v2e_noisy", seed=3)
     sensor = EventSensor(preset("v2e_noisy"), seed=3)
     expected = []
     for k, image in enumerate(np.load(array)):
-        light = cv2.resize(image.astype(np.float32) * (300 / 255), (346, 260))
-        expected.append(sensor.step(1000 * k, light).events)
+        luminance = cv2.resize(image.astype(np.float32) * (300 / 255), (346, 260))
+        expected.append(sensor.step(1000 * k, luminance).events)
     true = np.concatenate(expected)
     assert found.size == pytest.approx(true.size, rel=0.01)
     assert found.size > 10_000
@@ -45,73 +45,71 @@ def test_events_are_the_sensors_own(array: Path, tmp_path: Path) -> None:
     assert found["t"].max() <= 59_000
 
 
-def test_a_video_gives_its_rate_and_aedat4_holds_frames(
+def test_a_video_states_its_rate_and_aedat4_contains_frames(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     video, out = tmp_path / "wall.avi", tmp_path / "a.aedat4"
     writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 100.0, (172, 130))
-    for image in pictures(30, 0.3, columns=172):
+    for image in wall_sequence(30, 0.3, columns=172):
         writer.write(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR))
     writer.release()
     assert execute(Emulate(video, out)) == 0
-    said = capsys.readouterr()
-    assert "30 at 100 a second" in said.out
-    assert "warning" not in said.err
+    captured = capsys.readouterr()
+    assert "30 at 100 Hz" in captured.out
+    assert "warning" not in captured.err
     with open_events(out) as file:
         frames = [frame for chunk in file for frame in chunk.frames]
-        assert file.found.events > 1000
+        assert file.statistics.events > 1000
         assert len(frames) > 3
     assert frames[0].image.shape == (260, 346)
 
 
-def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path: Path, array: Path) -> None:
+def test_images_are_read_in_the_order_of_their_numbers(tmp_path: Path, array: Path) -> None:
     folder = tmp_path / "images"
     folder.mkdir()
     for k, image in enumerate(np.load(array)[:12]):
         deep = image.astype(np.uint16) * 257
         cv2.imwrite(str(folder / f"frame_{k}.png"), deep if k % 2 else image)
     (folder / "notes.txt").write_text("not a picture")
-    found = emulated(folder, tmp_path / "a.txt")
+    found = emulate(folder, tmp_path / "a.txt")
     np.save(tmp_path / "short.npy", np.load(array)[:12])
-    assert np.array_equal(found, emulated(tmp_path / "short.npy", tmp_path / "b.txt"))
+    assert np.array_equal(found, emulate(tmp_path / "short.npy", tmp_path / "b.txt"))
     assert found.size > 100
 
 
-def test_large_steps_are_warned_of_and_interpolation_comes_nearer_the_truth(
+def test_large_motion_gives_a_warning_and_interpolation_is_more_accurate(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A wall at 4000 px/s on the sensor: seen at 16 000, and at 1000 frames a second."""
+    """A wall moves at 4000 px/s on the sensor; frames at 16 000 Hz and at 1000 Hz."""
     fine, coarse = tmp_path / "fine.npy", tmp_path / "coarse.npy"
-    np.save(fine, pictures(161, 0.125))
-    np.save(coarse, pictures(11, 2.0))
-    true = emulated(fine, tmp_path / "fine.npz", fps=16_000.0)
+    np.save(fine, wall_sequence(161, 0.125))
+    np.save(coarse, wall_sequence(11, 2.0))
+    true = emulate(fine, tmp_path / "fine.npz", fps=16_000.0)
     assert "warning" not in capsys.readouterr().err
-    plain = emulated(coarse, tmp_path / "plain.npz")
-    said = capsys.readouterr().err
-    assert re.search(
-        r"move by up to [34]\.\d px .* in 10 of 10 steps.* or give --interpolate", said
-    )
-    filled = emulated(coarse, tmp_path / "filled.npz", interpolate=True)
+    plain = emulate(coarse, tmp_path / "plain.npz")
+    err = capsys.readouterr().err
+    assert re.search(r"move by up to [34]\.\d px .* in 10 of 10 steps.* or give --interpolate", err)
+    filled = emulate(coarse, tmp_path / "filled.npz", interpolate=True)
     assert "warning" not in capsys.readouterr().err
     assert abs(filled.size - true.size) < 0.05 * true.size
     assert _mean_error(filled, true) < 0.5 * _mean_error(plain, true)
 
 
-def test_a_bar_is_not_filled_with_hundreds_of_pictures(
+def test_a_bar_needs_few_interpolated_frames(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    light = [200 * bar(2.0 * k, rows=260, columns=346) for k in range(7)]
-    np.save(tmp_path / "bar.npy", light)
-    emulated(tmp_path / "bar.npy", tmp_path / "a.npz", interpolate=True)
-    said = capsys.readouterr()
-    assert "warning" not in said.err
-    made = re.search(r"put between *│ *(\d+),", said.out)
-    assert made is not None
-    assert 6 <= int(made[1]) <= 6 * 4
+    luminance = [200 * bar(2.0 * k, rows=260, columns=346) for k in range(7)]
+    np.save(tmp_path / "bar.npy", luminance)
+    emulate(tmp_path / "bar.npy", tmp_path / "a.npz", interpolate=True)
+    captured = capsys.readouterr()
+    assert "warning" not in captured.err
+    interpolated = re.search(r"interpolated *│ *(\d+),", captured.out)
+    assert interpolated is not None
+    assert 6 <= int(interpolated[1]) <= 6 * 4
 
 
 def _mean_error(found: Events, true: Events) -> float:
-    """How far the time to a pixel's first event is off, in the mean over pixels [µs]."""
+    """Return the mean error of the time of a pixel's first event [µs]."""
     first = []
     for events in (found, true):
         times = np.full((260, 346), np.nan)
@@ -123,56 +121,58 @@ def _mean_error(found: Events, true: Events) -> float:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"input": Path("nowhere.mp4")}, "nowhere.mp4 does not exist; allowed is a video"),
-        ({"input": Path("broken.mp4")}, "broken.mp4 is no video that OpenCV can open"),
+        ({"input": Path("nowhere.mp4")}, "nowhere.mp4 does not exist. Allowed is a video"),
+        ({"input": Path("invalid.mp4")}, "invalid.mp4 is not a video that OpenCV can open"),
         ({"input": Path("empty.mp4")}, "empty.mp4 is empty"),
-        ({"input": Path("still.png")}, "is one image, in which nothing moves; give the folder"),
-        ({"input": Path("none")}, "the folder none holds no image; allowed is .bmp"),
+        ({"input": Path("still.png")}, "is a single image. .* Give the folder"),
+        (
+            {"input": Path("none")},
+            "The folder none contains no images. Allowed are the endings .bmp",
+        ),
         ({"input": Path("sizes")}, "b.png has 9x9 px, and the first image 8x8"),
-        ({"input": Path("bomb")}, "large.png has 6000x6000 px; allowed is"),
-        ({"input": Path("damaged")}, "a.png is no image of 8 or 16 bits"),
+        ({"input": Path("bomb")}, "large.png has 6000x6000 px. Allowed are"),
+        ({"input": Path("damaged")}, "a.png is not a readable image of 8 or 16 bits"),
         ({"input": Path("text.npy")}, "text.npy cannot be read as an array"),
-        ({"input": Path("flat.npy")}, "holds float64 of shape"),
-        ({"input": Path("one.npy")}, "one.npy holds 1 frames; allowed is 2 and more"),
+        ({"input": Path("flat.npy")}, "contains float64 of shape"),
+        ({"input": Path("one.npy")}, "one.npy contains 1 frames. Allowed are 2 or more"),
         (
             {"input": Path("hole.npy")},
-            "frame 2 .* is nan cd/m² at row 5, column 7; allowed",
+            "frame 2 .* is nan cd/m² at row 5, column 7. Allowed",
         ),
-        ({"input": Path("below.npy")}, "light of frame 0 .* is -1 cd/m²"),
-        ({"fps": None}, "does not say how many frames a second it has; give them with --fps"),
-        ({"fps": 0.0}, "the frames a second are 0; allowed is 0.1 to 100000"),
-        ({"white_cd_m2": 0.0}, "white_cd_m2 is 0.0. Allowed is a positive number"),
-        ({"out": Path("a.mp4")}, "ends in .mp4; allowed is .aedat4"),
-        ({"out": Path("no/a.h5")}, "--out no/a.h5 has no folder"),
+        ({"input": Path("below.npy")}, "luminance of frame 0 .* is -1 cd/m²"),
+        ({"fps": None}, "does not state its frames per second. Give them with --fps"),
+        ({"fps": 0.0}, "The frame rate is 0 frames per second. Allowed is 0.1 to 100000"),
+        ({"white_cd_m2": 0.0}, "white_cd_m2 is 0.0"),
+        ({"out": Path("a.mp4")}, "ends in .mp4. Allowed is one of .aedat4"),
+        ({"out": Path("no/a.h5")}, "--out no/a.h5 cannot be written"),
         ({"out": Path("none")}, "--out none is a folder"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(
+def test_invalid_input_gives_a_one_line_error(
     array: Path, changes: Any, words: str, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    _fill(tmp_path)
+    _write_invalid_files(tmp_path)
     before = sorted(path.name for path in tmp_path.iterdir())
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path)
         assert execute(replace(Emulate(array, Path("a.h5"), fps=1000.0), **changes)) == 2
     err = capfd.readouterr().err
-    (said,) = [line for line in err.splitlines() if "flybench: " in line]
+    (message,) = [line for line in err.splitlines() if "flybench: " in line]
     assert "Warning" not in err
-    assert re.search(words, said)
+    assert re.search(words, message)
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
 
-def _fill(folder: Path) -> None:
-    """What goes wrong."""
-    (folder / "broken.mp4").write_bytes(b"\0\0\0\x18ftypmp42" + bytes(1000))
+def _write_invalid_files(folder: Path) -> None:
+    (folder / "invalid.mp4").write_bytes(b"\0\0\0\x18ftypmp42" + bytes(1000))
     (folder / "empty.mp4").touch()
     (folder / "text.npy").write_text("no array")
     np.save(folder / "flat.npy", np.zeros((5, 5)))
     np.save(folder / "one.npy", np.zeros((1, 5, 5), np.uint8))
-    light = np.full((3, 260, 346), 10.0)
-    np.save(folder / "below.npy", -0.1 * light)
-    light[2, 5, 7] = np.nan
-    np.save(folder / "hole.npy", light)
+    luminance = np.full((3, 260, 346), 10.0)
+    np.save(folder / "below.npy", -0.1 * luminance)
+    luminance[2, 5, 7] = np.nan
+    np.save(folder / "hole.npy", luminance)
     for name in ("none", "sizes", "damaged", "bomb"):
         (folder / name).mkdir()
     cv2.imwrite(str(folder / "still.png"), np.zeros((8, 8), np.uint8))
@@ -182,7 +182,7 @@ def _fill(folder: Path) -> None:
     (folder / "damaged" / "a.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing")
 
 
-def test_light_may_come_as_it_is(tmp_path: Path, array: Path) -> None:
-    light = np.stack([200 * wall(0.5 * k, rows=260, columns=346) for k in range(20)])
-    np.save(tmp_path / "light.npy", light)
-    assert emulated(tmp_path / "light.npy", tmp_path / "a.npz").size > 1000
+def test_an_array_of_luminance_is_accepted(tmp_path: Path) -> None:
+    luminance = np.stack([200 * wall(0.5 * k, rows=260, columns=346) for k in range(20)])
+    np.save(tmp_path / "luminance.npy", luminance)
+    assert emulate(tmp_path / "luminance.npy", tmp_path / "a.npz").size > 1000

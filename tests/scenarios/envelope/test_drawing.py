@@ -1,16 +1,18 @@
+"""Events of synthetic stimuli."""
+
 import numpy as np
 import pytest
 
 from flybench.direction import CARDINAL, Direction
 from flybench.events import check_events
-from scenarios.envelope.drawing import Drawn, draw
+from scenarios.envelope.drawing import DrawnStimulus, draw_stimulus
 from scenarios.envelope.stimulus import Background, Stimulus, Surface
 
 QUIET = {"noise_hz": 0.0, "speed_px_s": 1000.0}
 
 
-def inside(drawn: Drawn, slack_px: int = 3) -> float:
-    """Share of the events that lie in the target's true box of their millisecond."""
+def share_in_box(drawn: DrawnStimulus, slack_px: int = 3) -> float:
+    """Return the share of events inside the target's true box of their millisecond."""
     events, hits = drawn.events, 0
     for ms in range(drawn.duration_us // 1000 + 1):
         box = drawn.box_px(1000 * ms + 500)
@@ -24,58 +26,60 @@ def inside(drawn: Drawn, slack_px: int = 3) -> float:
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-def test_events_come_from_the_target_where_the_truth_says_it_is(direction: Direction) -> None:
-    drawn = draw(Stimulus(direction=direction, **QUIET))  # type: ignore[arg-type]
+def test_all_events_lie_in_the_true_box_of_the_target(direction: Direction) -> None:
+    drawn = draw_stimulus(Stimulus(direction=direction, **QUIET))  # type: ignore[arg-type]
     check_events(drawn.events, width=346, height=260)
     assert drawn.events.size > 50_000
-    assert inside(drawn) == 1.0
+    assert share_in_box(drawn) == 1.0
 
 
 @pytest.mark.parametrize("background", [Background.SHAKE, Background.WIND, Background.DISTRACTOR])
-def test_what_else_moves_fires_elsewhere(background: Background) -> None:
-    drawn = draw(Stimulus(background=background, speed_px_s=2000, noise_hz=0))
+def test_motion_in_the_background_causes_events_outside_the_box(background: Background) -> None:
+    drawn = draw_stimulus(Stimulus(background=background, speed_px_s=2000, noise_hz=0))
     check_events(drawn.events, width=346, height=260)
-    assert inside(drawn) < 0.98
+    assert share_in_box(drawn) < 0.98
 
 
 def test_the_same_stimulus_gives_the_same_events() -> None:
     stimulus = Stimulus(speed_px_s=2000, background=Background.WIND, noise_hz=2, seed=5)
-    np.testing.assert_array_equal(draw(stimulus).events, draw(stimulus).events)
+    np.testing.assert_array_equal(draw_stimulus(stimulus).events, draw_stimulus(stimulus).events)
 
 
 def test_seeds_give_other_events() -> None:
-    one, other = (draw(Stimulus(speed_px_s=1500, noise_hz=0, seed=k)).events for k in (1, 2))
+    one, other = (
+        draw_stimulus(Stimulus(speed_px_s=1500, noise_hz=0, seed=k)).events for k in (1, 2)
+    )
     assert one.size != other.size
 
 
 def test_noise_adds_to_the_same_signal() -> None:
-    quiet, noisy = (draw(Stimulus(speed_px_s=1500, noise_hz=hz)).events for hz in (0, 5))
+    quiet, noisy = (draw_stimulus(Stimulus(speed_px_s=1500, noise_hz=hz)).events for hz in (0, 5))
     expected = 5 * 346 * 260 * 0.51
     assert noisy.size - quiet.size == pytest.approx(expected, rel=0.03)
 
 
-def test_low_contrast_gives_few_events_and_none_gives_the_rims_alone() -> None:
-    sizes = [draw(Stimulus(contrast=c, **QUIET)).events.size for c in (0.1, 0.4, 1.0)]  # type: ignore[arg-type]
+def test_lower_contrast_gives_fewer_events() -> None:
+    sizes = [draw_stimulus(Stimulus(contrast=c, **QUIET)).events.size for c in (0.1, 0.4, 1.0)]  # type: ignore[arg-type]
     assert sizes[0] < sizes[1] / 4 < sizes[2] / 8
 
 
-def test_times_lie_between_the_pictures_too() -> None:
-    events = draw(Stimulus(speed_px_s=50, noise_hz=0)).events  # a picture every 10 ms
+def test_event_times_lie_between_the_images() -> None:
+    events = draw_stimulus(Stimulus(speed_px_s=50, noise_hz=0)).events  # one image every 10 ms
     assert len(np.unique(events["t"] % 10_000)) > 5_000
 
 
-def test_a_finer_step_changes_little(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finer_step_changes_the_events_little(monkeypatch: pytest.MonkeyPatch) -> None:
     stimulus = Stimulus(noise_hz=0, speed_px_s=2000)
-    coarse = draw(stimulus).events
+    coarse = draw_stimulus(stimulus).events
     monkeypatch.setattr("scenarios.envelope.drawing.STEP_PX", 0.1)
-    fine = draw(stimulus).events
+    fine = draw_stimulus(stimulus).events
     assert coarse.size == pytest.approx(fine.size, rel=0.02)
     times = [np.sort(e["t"][e["p"]]) for e in (coarse, fine)]
     assert np.median(times[0]) == pytest.approx(np.median(times[1]), abs=500)
 
 
-def test_the_true_box_is_cut_at_the_edge_and_gone_outside() -> None:
-    drawn = draw(Stimulus(speed_px_s=1000, noise_hz=0, surface=Surface.PLAIN))
+def test_the_true_box_is_clipped_to_the_image() -> None:
+    drawn = draw_stimulus(Stimulus(speed_px_s=1000, noise_hz=0, surface=Surface.PLAIN))
     first_us, last_us = drawn.in_view_us
     assert drawn.box_px(0) is None
     assert drawn.centroid_px(0) is None

@@ -1,21 +1,25 @@
+"""Synthetic stimuli shown to detectors, in one process and in several."""
+
+from typing import Any
+
 import numpy as np
 import pytest
 
 from detector.fly.detector import FlyDetector
 from flybench.direction import CARDINAL
-from scenarios.envelope.drawing import draw
-from scenarios.envelope.measure import measure
+from scenarios.envelope.drawing import draw_stimulus
+from scenarios.envelope.measure import measure, measure_all
 from scenarios.envelope.stimulus import Stimulus
-from scenarios.errors import MethodError
-from scenarios.pipeline.scoring import judge
+from scenarios.errors import MethodError, ScenarioError
+from scenarios.pipeline.scoring import score_estimates
 
 
-def test_a_row_names_method_stimulus_and_result() -> None:
+def test_a_row_holds_method_stimulus_and_scores() -> None:
     stimulus = Stimulus(speed_px_s=600, noise_hz=2, seed=4)
     (row,) = measure(stimulus, ["fly"])
-    drawn, fly = draw(stimulus), FlyDetector()
+    drawn, fly = draw_stimulus(stimulus), FlyDetector()
     estimates = fly.push(drawn.events) + fly.advance(drawn.duration_us + 1)
-    expected = judge(estimates, "right", drawn.in_view_us, drawn)
+    expected = score_estimates(estimates, "right", drawn.in_view_us, drawn)
     assert row["verdict"] == expected.pop("direction") == "right"
     assert {name: row[name] for name in expected} == expected
     assert (row["method"], row["speed_px_s"], row["seed"]) == ("fly", 600, 4)
@@ -24,7 +28,7 @@ def test_a_row_names_method_stimulus_and_result() -> None:
 
 
 @pytest.mark.parametrize(("speed_px_s", "known"), [(240, False), (250, True)])
-def test_a_slow_target_is_there_from_the_start_and_has_no_latency(
+def test_a_slow_target_is_in_view_from_the_start_and_has_no_latency(
     speed_px_s: float, known: bool
 ) -> None:
     (row,) = measure(Stimulus(speed_px_s=speed_px_s), ["fly"])
@@ -33,7 +37,7 @@ def test_a_slow_target_is_there_from_the_start_and_has_no_latency(
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-def test_the_fly_is_right_in_its_range_in_every_direction(direction: str) -> None:
+def test_the_fly_finds_every_direction_in_its_operating_range(direction: str) -> None:
     stimulus = Stimulus(speed_px_s=600, noise_hz=5, direction=direction)  # type: ignore[arg-type]
     (row,) = measure(stimulus, ["fly"])
     assert row["accuracy_after_100ms"] >= 0.95
@@ -42,7 +46,7 @@ def test_the_fly_is_right_in_its_range_in_every_direction(direction: str) -> Non
     assert row["centroid_error_px"] < np.hypot(346, 260) / 2
 
 
-def test_a_target_too_pale_to_be_seen_is_not_judged_right() -> None:
+def test_a_target_without_contrast_is_not_found() -> None:
     (row,) = measure(Stimulus(contrast=0.0, speed_px_s=60, noise_hz=0), ["fly"])
     assert row["accuracy_after_100ms"] < 0.5
     shares = (row[f"{kind}_after_100ms"] for kind in ("accuracy", "opposite", "sideways", "none"))
@@ -50,5 +54,26 @@ def test_a_target_too_pale_to_be_seen_is_not_judged_right() -> None:
 
 
 def test_an_unknown_method_is_refused() -> None:
-    with pytest.raises(MethodError, match="allowed is fly"):
+    with pytest.raises(MethodError, match="Allowed is fly"):
         measure(Stimulus(speed_px_s=2000, noise_hz=0), ["bee"])
+
+
+POINTS = [Stimulus(speed_px_s=v, noise_hz=0.5) for v in (2000.0, 1200.0, 1600.0)]
+
+
+def without_times(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{k: v for k, v in row.items() if k != "detector_cpu_s"} for row in rows]
+
+
+def test_the_number_of_processes_changes_nothing() -> None:
+    reported: list[tuple[int, int]] = []
+    one = measure_all(POINTS, ["fly"], jobs=1)
+    two = measure_all(POINTS, ["fly"], jobs=2, progress=lambda *done: reported.append(done))
+    assert without_times(two) == without_times(one)
+    assert [row["speed_px_s"] for row in two] == [2000, 1200, 1600]
+    assert reported == [(0, 3), (1, 3), (2, 3), (3, 3)]
+
+
+def test_an_invalid_number_of_processes_is_refused() -> None:
+    with pytest.raises(ScenarioError, match=r"jobs is 0\. Allowed is 1 or more, or -1"):
+        measure_all(POINTS, ["fly"], jobs=0)

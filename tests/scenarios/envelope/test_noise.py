@@ -1,8 +1,10 @@
+"""Poisson noise and merging of streams."""
+
 import numpy as np
 import pytest
 
 from flybench.events import EVENT_DTYPE, check_events
-from scenarios.envelope.noise import merge, poisson_noise
+from scenarios.envelope.noise import merge_streams, poisson_noise
 
 SIZE = {"width": 40, "height": 30}
 
@@ -21,7 +23,7 @@ def test_noise_is_poisson_in_every_pixel(rate_hz: float) -> None:
     assert by_tenth.std() < 4 * np.sqrt(events.size / 10)
 
 
-def test_no_rate_is_no_noise() -> None:
+def test_a_rate_of_zero_gives_no_noise() -> None:
     rng = np.random.default_rng(0)
     assert poisson_noise(0.0, **SIZE, duration_us=1_000_000, rng=rng).size == 0
 
@@ -37,4 +39,4 @@ def test_merging_is_a_stable_sort(first: int, second: int) -> None:
         streams.append(events)
     both = np.concatenate(streams)
     expected = both[np.argsort(both["t"], kind="stable")]
-    np.testing.assert_array_equal(merge(*streams), expected)
+    np.testing.assert_array_equal(merge_streams(*streams), expected)

@@ -1,8 +1,10 @@
+"""Scenes of synthetic stimuli: motion of the layers."""
+
 import numpy as np
 import pytest
 
 from flybench.direction import CARDINAL, Direction
-from scenarios.envelope.scene import FARTHER, LEAD_S, WATCH_S, make_scene
+from scenarios.envelope.scene import DISTRACTOR_SCALE, LEAD_S, MAX_CROSSING_S, make_scene
 from scenarios.envelope.stimulus import Background, Stimulus, Surface
 
 VELOCITY: dict[Direction, tuple[int, int]] = {
@@ -14,7 +16,7 @@ VELOCITY: dict[Direction, tuple[int, int]] = {
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-def test_the_target_moves_as_asked(direction: Direction) -> None:
+def test_the_target_moves_with_the_given_velocity(direction: Direction) -> None:
     scene = make_scene(Stimulus(speed_px_s=400, direction=direction))
     times_us = np.array([300_000.0, 400_000.0])
     before, after = scene.corners_px(times_us)[:, -1]
@@ -31,41 +33,41 @@ def test_a_target_enters_after_the_lead_and_leaves_at_the_end() -> None:
     assert leaving[[0, 2]] == pytest.approx([346 - 4.66, 346])
 
 
-def test_of_a_slow_crossing_the_middle_is_shown() -> None:
+def test_only_the_middle_of_a_slow_crossing_is_shown() -> None:
     scene = make_scene(Stimulus(speed_px_s=40, direction=Direction.DOWN))
-    assert scene.duration_us == round((LEAD_S + WATCH_S) * 1e6)
-    middle = scene.target_px(np.array([(LEAD_S + WATCH_S / 2) * 1e6]))[0]
+    assert scene.duration_us == round((LEAD_S + MAX_CROSSING_S) * 1e6)
+    middle = scene.target_px(np.array([(LEAD_S + MAX_CROSSING_S / 2) * 1e6]))[0]
     assert (middle[1] + middle[3]) / 2 == pytest.approx(130)
     assert middle[3] - middle[1] == pytest.approx(120)
     assert middle[2] - middle[0] == pytest.approx(48)
 
 
-def test_a_distractor_goes_the_other_way_beside_the_target() -> None:
+def test_a_distractor_moves_the_other_way_beside_the_target() -> None:
     scene = make_scene(Stimulus(speed_px_s=300, background=Background.DISTRACTOR))
     assert len(scene.layers) == 2
     times_us = np.array([0.0, 1e6])
     corners = scene.corners_px(times_us)
-    way = corners[1] - corners[0]
-    np.testing.assert_allclose(way, np.array([[-300 * FARTHER, 0], [300, 0]]))
+    travel = corners[1] - corners[0]
+    np.testing.assert_allclose(travel, np.array([[-300 * DISTRACTOR_SCALE, 0], [300, 0]]))
     (_, y), (_, y_target) = corners[0]
     other, target = scene.layers[0].size_px, scene.layers[1].size_px
     assert y + other[1] < y_target or y > y_target + target[1]
 
 
-def test_a_shake_moves_everything_alike() -> None:
+def test_camera_shake_moves_the_whole_image() -> None:
     still = make_scene(Stimulus(seed=3))
     shaken = make_scene(Stimulus(seed=3, background=Background.SHAKE))
     times_us = np.linspace(0, 1e6, 50)
-    camera_px = shaken.camera_px(times_us)
-    assert abs(camera_px).max() > 1
+    image_shift_px = shaken.image_shift_px(times_us)
+    assert abs(image_shift_px).max() > 1
     np.testing.assert_allclose(
-        shaken.corners_px(times_us)[:, -1] - still.corners_px(times_us)[:, -1], camera_px
+        shaken.corners_px(times_us)[:, -1] - still.corners_px(times_us)[:, -1], image_shift_px
     )
-    assert shaken.margin_px >= abs(camera_px).max() + 1
-    assert (still.camera_px(times_us) == 0).all()
+    assert shaken.margin_px >= abs(image_shift_px).max() + 1
+    assert (still.image_shift_px(times_us) == 0).all()
 
 
-def test_trees_sway_about_their_places_beside_the_way() -> None:
+def test_trees_oscillate_beside_the_path() -> None:
     scene = make_scene(Stimulus(background=Background.WIND))
     corners = scene.corners_px(np.linspace(0, 1.7e6, 100))
     trees, target = corners[:, :-1], corners[:, -1]
@@ -77,16 +79,16 @@ def test_trees_sway_about_their_places_beside_the_way() -> None:
 
 
 @pytest.mark.parametrize("surface", Surface)
-def test_a_mirrored_target_is_painted_mirrored(surface: Surface) -> None:
+def test_the_texture_follows_the_direction_of_the_target(surface: Surface) -> None:
     right, left, up, down = (
-        make_scene(Stimulus(direction=d, surface=surface)).layers[-1].paint for d in CARDINAL
+        make_scene(Stimulus(direction=d, surface=surface)).layers[-1].texture for d in CARDINAL
     )
     np.testing.assert_array_equal(left, right[:, ::-1])
     np.testing.assert_array_equal(down, right.T)
     np.testing.assert_array_equal(up, right.T[::-1])
 
 
-def test_the_seed_changes_texture_and_place() -> None:
+def test_the_seed_changes_texture_and_position() -> None:
     one, other = make_scene(Stimulus(seed=1)), make_scene(Stimulus(seed=2))
-    assert not np.array_equal(one.layers[-1].paint, other.layers[-1].paint)
-    assert one.layers[-1].middle_px != other.layers[-1].middle_px
+    assert not np.array_equal(one.layers[-1].texture, other.layers[-1].texture)
+    assert one.layers[-1].centre_px != other.layers[-1].centre_px

@@ -1,3 +1,5 @@
+"""Figures as files."""
+
 from pathlib import Path
 
 from scenarios.output.figures import figure_file
@@ -8,7 +10,7 @@ def draw(path: Path) -> None:
         figure.add_subplot().plot([1, 2], [3, 4])
 
 
-def test_a_figure_comes_as_png_and_svg_and_always_the_same(tmp_path: Path) -> None:
+def test_equal_figures_give_equal_png_and_svg_files(tmp_path: Path) -> None:
     draw(tmp_path / "a.b")
     draw(tmp_path / "c")
     assert {path.name for path in tmp_path.iterdir()} == {"a.b.png", "a.b.svg", "c.png", "c.svg"}

@@ -1,6 +1,11 @@
+from pathlib import Path
 from xml.etree import ElementTree
 
-from scenarios.output.html import card_table, document, inline_svg
+import pytest
+from jinja2 import UndefinedError
+from markupsafe import Markup
+
+from scenarios.output.html import inline_svg, render
 
 SVG = """<?xml version="1.0"?>
 <svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="9pt"
@@ -12,9 +17,9 @@ SVG = """<?xml version="1.0"?>
 </svg>"""
 
 
-def test_names_inside_a_figure_get_its_prefix_and_nothing_else_does() -> None:
+def test_only_ids_and_references_get_a_prefix() -> None:
     text = inline_svg(SVG, prefix="one", label='a "b"')
-    for words in (
+    for part in (
         'id="one-c"',
         'id="one-m"',
         'clip-path="url(#one-c)"',
@@ -22,22 +27,38 @@ def test_names_inside_a_figure_get_its_prefix_and_nothing_else_does() -> None:
         'href="#one-m"',
         'href="data:image/png;base64,AA=="',
     ):
-        assert words in text
+        assert part in text
     root = ElementTree.fromstring(text)
     assert 'id="c" <#m' in "".join(root.itertext())
     assert root.get("aria-label") == 'a "b"'
 
 
-def test_a_figure_takes_the_size_that_the_page_gives() -> None:
+def test_the_size_and_the_metadata_of_a_figure_are_removed() -> None:
     root = ElementTree.fromstring(inline_svg(SVG, prefix="one", label=""))
     assert root.get("viewBox") == "0 0 9 4"
     assert root.get("width") is None
     assert "who" not in "".join(root.itertext())
 
 
-def test_a_page_escapes_its_title_and_a_table_its_heads() -> None:
-    assert "<title>a &lt; b</title>" in document("a < b", ["<p>x</p>"])
-    table = card_table(("a<b",), [[("name", "<b>x</b>")], [("", "")]])
-    assert "<th>a&lt;b</th>" in table
-    assert '<td class="name" data-name="a&lt;b"><span><b>x</b></span></td>' in table
-    assert '<td class="" data-name="a&lt;b"></td>' in table  # narrow screens leave it out
+def test_a_page_escapes_text_but_not_markup(tmp_path: Path) -> None:
+    source = '{% extends "page.html.j2" %}{% block body %}{{ text }} {{ note|code }}{% endblock %}'
+    (tmp_path / "own.html.j2").write_text(source)
+    values = {"text": Markup("<b>x</b>"), "note": "`a` < b"}
+    page = render("own.html.j2", tmp_path, title="a < b", **values)
+    assert "<title>a &lt; b</title>" in page
+    assert "<b>x</b> <code>a</code> &lt; b" in page
+
+
+def test_an_empty_cell_stays_empty(tmp_path: Path) -> None:
+    source = """{% from "macros.html.j2" import cell %}
+{{ cell("a<b", "x", "name", "note") }}{{ cell("c", "") }}"""
+    (tmp_path / "own.html.j2").write_text(source)
+    html = render("own.html.j2", tmp_path)
+    assert '<td class="name" data-name="a&lt;b"><span>x<br>' in html
+    assert '<td class="" data-name="c"></td>' in html  # a narrow screen leaves it out
+
+
+def test_a_missing_value_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "own.html.j2").write_text("{{ nothing }}")
+    with pytest.raises(UndefinedError, match="nothing"):
+        render("own.html.j2", tmp_path)

@@ -1,4 +1,4 @@
-"""How commands end."""
+"""Exit status and errors of commands."""
 
 import signal
 import subprocess
@@ -10,22 +10,22 @@ import pytest
 from formats import FormatError
 from scenarios.output.terminal import execute
 
-TALKER = """
+PRINTS_MUCH = """
 import sys
 from scenarios.output.terminal import execute
 
-class Talker:
+class PrintsMuch:
     def execute(self):
         for _ in range(100_000):
             print("a line of some length")
         return 0
 
-sys.exit(execute(Talker()))
+sys.exit(execute(PrintsMuch()))
 """
 
 
-def test_a_reader_that_has_enough_is_no_traceback() -> None:
-    command = [sys.executable, "-c", TALKER]
+def test_a_closed_output_pipe_gives_no_traceback() -> None:
+    command = [sys.executable, "-c", PRINTS_MUCH]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
@@ -35,17 +35,17 @@ def test_a_reader_that_has_enough_is_no_traceback() -> None:
         assert process.wait() == 1
 
 
-def test_a_broken_recording_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_error_is_printed_without_a_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     class Reader:
         def execute(self) -> int:
-            raise FormatError("a.raw is cut; copy it again")
+            raise FormatError("a.raw is truncated. Copy it again.")
 
     assert execute(Reader()) == 2
-    assert capsys.readouterr().err == "flybench: a.raw is cut; copy it again\n"
+    assert capsys.readouterr().err == "flybench: a.raw is truncated. Copy it again.\n"
 
 
-def test_ctrl_c_within_compiled_code_is_an_interrupt(capsys: pytest.CaptureFixture[str]) -> None:
-    """As numba does it: "CPUDispatcher(...) returned a result with an exception set"."""
+def test_ctrl_c_in_compiled_code_is_an_interrupt(capsys: pytest.CaptureFixture[str]) -> None:
+    """numba raises SystemError "CPUDispatcher(...) returned a result with an exception set"."""
 
     class Compiled:
         def execute(self) -> int:
@@ -58,7 +58,7 @@ def test_ctrl_c_within_compiled_code_is_an_interrupt(capsys: pytest.CaptureFixtu
     assert capsys.readouterr().err == "flybench: interrupted\n"
 
 
-def test_another_system_error_is_not_hidden() -> None:
+def test_other_system_errors_are_raised() -> None:
     class Broken:
         def execute(self) -> int:
             raise SystemError("bad argument to internal function")
@@ -67,26 +67,28 @@ def test_another_system_error_is_not_hidden() -> None:
         execute(Broken())
 
 
-SLEEPER = """
+SLEEPS = """
 import signal, sys, tempfile, time
 from scenarios.output.terminal import execute
 
-class Sleeper:
+class Sleeps:
     def execute(self):
         with tempfile.TemporaryDirectory(dir=sys.argv[1]):
             print("asleep", flush=True)
             time.sleep(60)
         return 0
 
-signal.signal(signal.SIGINT, signal.default_int_handler)  # neither is to be inherited as ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # neither may be inherited as ignored
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
-sys.exit(execute(Sleeper()))
+sys.exit(execute(Sleeps()))
 """
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_who_is_told_to_end_cleans_up(how: signal.Signals, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", SLEEPER, str(tmp_path)]
+def test_an_interrupted_command_removes_its_temporary_files(
+    how: signal.Signals, tmp_path: Path
+) -> None:
+    command = [sys.executable, "-c", SLEEPS, str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None

@@ -1,4 +1,4 @@
-"""Processes of this machine."""
+"""Tasks in processes of this machine."""
 
 import os
 import subprocess
@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from scenarios.errors import ScenarioError
-from scenarios.pipeline.parallel import run_here
+from scenarios.pipeline.parallel import run_locally
 
-ROOT = Path(__file__).parents[2]
-TWO = """
+ROOT = Path(__file__).parents[3]
+TWO_WORKERS = """
 import time
-from scenarios.pipeline.parallel import run_here
+from scenarios.pipeline.parallel import run_locally
 task = "__import__('time').sleep(0.5) or __import__('os').getpid()"
-print(*(pid for _, pid in run_here(eval, [task] * 4, jobs=2)), flush=True)
+print(*(pid for _, pid in run_locally(eval, [task] * 4, jobs=2)), flush=True)
 time.sleep(600)
 """
 
@@ -29,9 +29,9 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-@pytest.mark.skipif(not Path("/proc").exists(), reason="there is no /proc to look into")
-def test_processes_end_with_the_one_that_started_them() -> None:
-    main = subprocess.Popen([sys.executable, "-c", TWO], cwd=ROOT, stdout=subprocess.PIPE)
+@pytest.mark.skipif(not Path("/proc").exists(), reason="needs /proc")
+def test_workers_end_when_their_parent_is_killed() -> None:
+    main = subprocess.Popen([sys.executable, "-c", TWO_WORKERS], cwd=ROOT, stdout=subprocess.PIPE)
     with main:
         assert main.stdout is not None
         workers = {int(pid) for pid in main.stdout.readline().split()}
@@ -45,17 +45,17 @@ def test_processes_end_with_the_one_that_started_them() -> None:
         time.sleep(0.05)
 
 
-def test_results_come_with_the_numbers_of_their_tasks() -> None:
-    assert sorted(run_here(abs, [-3, -1, -2], jobs=1)) == [(0, 3), (1, 1), (2, 2)]
-    assert list(run_here(abs, [], jobs=1)) == []
+def test_each_result_has_the_index_of_its_task() -> None:
+    assert sorted(run_locally(abs, [-3, -1, -2], jobs=1)) == [(0, 3), (1, 1), (2, 2)]
+    assert list(run_locally(abs, [], jobs=1)) == []
 
 
-def test_a_process_that_ends_is_told() -> None:
-    with pytest.raises(ScenarioError, match=r"ended from outside.*fewer --jobs"):
-        list(run_here(os._exit, [1, 1], jobs=2))
+def test_a_killed_worker_is_reported() -> None:
+    with pytest.raises(ScenarioError, match=r"was killed.*fewer --jobs"):
+        list(run_locally(os._exit, [1, 1], jobs=2))
 
 
 @pytest.mark.parametrize("jobs", [0, -2])
-def test_no_number_of_processes_is_refused(jobs: int) -> None:
-    with pytest.raises(ScenarioError, match=f"jobs is {jobs}; allowed is 1 or more, or -1"):
-        list(run_here(abs, [1], jobs=jobs))
+def test_an_invalid_number_of_processes_is_refused(jobs: int) -> None:
+    with pytest.raises(ScenarioError, match=rf"jobs is {jobs}\. Allowed is 1 or more, or -1"):
+        list(run_locally(abs, [1], jobs=jobs))

@@ -1,10 +1,11 @@
+"""Scores of estimates against a made-up track."""
+
 import pytest
 
 from detector.estimate import MotionEstimate
 from detector.metrics import Box, Point
 from flybench.direction import Direction
-from flybench.direction import Direction as SceneDirection
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.scoring import Track, score_estimates
 
 IN_VIEW_US = (100_000, 300_000)
 
@@ -23,20 +24,20 @@ def track_of(box: Box | None, centroid: Point | None) -> Track:
     return track
 
 
-SAID = [
-    estimate(50_000, Direction.DOWN),  # before it came
+ESTIMATES = [
+    estimate(50_000, Direction.DOWN),  # before the target is in view
     estimate(150_000, Direction.LEFT),
     estimate(200_000, Direction.RIGHT),
     estimate(225_000, Direction.RIGHT),
     estimate(250_000, Direction.LEFT),
     estimate(260_000, Direction.UP),
     estimate(300_000, Direction.NONE, None),
-    estimate(310_000, Direction.DOWN),  # after it left
+    estimate(310_000, Direction.DOWN),  # after the target has left
 ]
 
 
-def test_a_crossing_is_judged_by_what_was_said_in_view() -> None:
-    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+def test_only_estimates_in_view_are_scored() -> None:
+    found = score_estimates(ESTIMATES, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
     assert found["direction"] == "right"
     assert found["accuracy"] == pytest.approx(2 / 6)
     assert found["steps_in_view"] == 6
@@ -45,44 +46,44 @@ def test_a_crossing_is_judged_by_what_was_said_in_view() -> None:
 
 def test_a_target_in_view_from_the_start_has_no_latency() -> None:
     track = track_of((0, 0, 10, 20), (5.0, 8.0))
-    found = judge(SAID, "right", (0, 300_000), track)
+    found = score_estimates(ESTIMATES, "right", (0, 300_000), track)
     assert found["latency_ms"] is None
     assert found["accuracy"] == pytest.approx(2 / 7)
-    assert judge(SAID, "right", (1_000, 300_000), track)["latency_ms"] == 199
+    assert score_estimates(ESTIMATES, "right", (1_000, 300_000), track)["latency_ms"] == 199
 
 
-def test_mistakes_after_100_ms_are_told_apart() -> None:
-    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+def test_errors_after_100_ms_are_counted_by_kind() -> None:
+    found = score_estimates(ESTIMATES, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
     kinds = ("accuracy", "opposite", "sideways", "none")
     shares = [found[f"{kind}_after_100ms"] for kind in kinds]
     assert shares == pytest.approx([1 / 4] * 4)
 
 
-def test_attention_is_held_against_box_and_centroid() -> None:
-    found = judge(SAID, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
+def test_region_and_view_centre_are_compared_with_box_and_centroid() -> None:
+    found = score_estimates(ESTIMATES, "right", IN_VIEW_US, track_of((0, 0, 10, 20), (5.0, 8.0)))
     assert found["roi_iou"] == pytest.approx(3 / 4 * 0.5)  # one step without a region
     assert found["centroid_error_px"] == pytest.approx(3.0)
 
 
-def test_a_detector_that_never_names_a_region_has_no_overlap() -> None:
-    said = [estimate(t_us, Direction.RIGHT, None) for t_us in (220_000, 250_000)]
+def test_a_detector_without_any_region_has_no_overlap() -> None:
+    estimates = [estimate(t_us, Direction.RIGHT, None) for t_us in (220_000, 250_000)]
     track = track_of((0, 0, 10, 20), (5.0, 8.0))
-    found = judge(said, "right", IN_VIEW_US, track)
+    found = score_estimates(estimates, "right", IN_VIEW_US, track)
     assert found["roi_iou"] is None
     assert found["centroid_error_px"] == pytest.approx(3.0)
     before = estimate(50_000, Direction.NONE)
-    assert judge([before, *said], "right", IN_VIEW_US, track)["roi_iou"] == 0.0
+    assert score_estimates([before, *estimates], "right", IN_VIEW_US, track)["roi_iou"] == 0.0
 
 
-def test_the_scenes_own_names_of_directions_will_do() -> None:
+def test_the_true_direction_may_be_a_string() -> None:
     track = track_of((0, 0, 1, 1), (0.5, 0.5))
-    by_enum = judge(SAID, SceneDirection.LEFT, IN_VIEW_US, track)
-    assert by_enum == judge(SAID, "left", IN_VIEW_US, track)
+    by_enum = score_estimates(ESTIMATES, Direction.LEFT, IN_VIEW_US, track)
+    assert by_enum == score_estimates(ESTIMATES, "left", IN_VIEW_US, track)
     assert by_enum["accuracy"] == pytest.approx(2 / 6)
 
 
-def test_without_a_step_there_is_no_figure() -> None:
-    found = judge([], "up", (0, 0), Track())
+def test_without_estimates_there_are_no_scores() -> None:
+    found = score_estimates([], "up", (0, 0), Track())
     assert found["direction"] == "none"
     assert found["steps_in_view"] == 0
     nothing = {name for name, value in found.items() if value is None}

@@ -5,16 +5,18 @@ import pytest
 
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
-from scenarios.study.results import MethodRun, Sequence
+from scenarios.study.results import MethodRun, SequenceResult
 from scenarios.study.rows import COLUMNS, response, study_rows
 
 
-def said(t_us: int, hs: float, *, roi: tuple[int, int, int, int] | None = None) -> MotionEstimate:
+def estimate(
+    t_us: int, hs: float, *, roi: tuple[int, int, int, int] | None = None
+) -> MotionEstimate:
     direction = Direction.RIGHT if hs > 0 else Direction.LEFT
     return MotionEstimate(t_us, hs, 0.0, direction, abs(hs), (hs, 0.0), (5.0, 5.0), roi)
 
 
-JUDGEMENT = {
+SCORES = {
     "direction": "right",
     "accuracy": 0.9,
     "accuracy_after_100ms": 1.0,
@@ -30,13 +32,13 @@ JUDGEMENT = {
 RUN = MethodRun(
     "fly",
     4,
-    tuple(said(t, hs) for t, hs in ((150_000, 0.2), (260_000, 0.4))),
-    JUDGEMENT,
+    tuple(estimate(t, hs) for t, hs in ((150_000, 0.2), (260_000, 0.4))),
+    SCORES,
     None,
     0.5,
     1000,
 )
-SEQUENCE = Sequence(
+SEQUENCE = SequenceResult(
     lighting="day",
     omega_rad_s=1.61,
     speed_km_h=40.0,
@@ -59,23 +61,23 @@ def test_a_row_has_every_column_in_order() -> None:
     assert row["ns_per_event"] == pytest.approx(0.5e6)
 
 
-def test_where_nothing_is_attended_there_is_no_overlap() -> None:
+def test_a_method_without_a_region_of_interest_has_no_overlap() -> None:
     (row,) = study_rows([SEQUENCE])
     assert (row["roi_iou"], row["centroid_error_px"]) == (None, None)
-    attending = replace(RUN, estimates=(said(260_000, 0.4, roi=(0, 0, 9, 9)),))
+    attending = replace(RUN, estimates=(estimate(260_000, 0.4, roi=(0, 0, 9, 9)),))
     (row,) = study_rows([replace(SEQUENCE, runs=(attending,))])
     assert (row["roi_iou"], row["centroid_error_px"]) == (0.3, 40.0)
 
 
-def test_no_estimates_cost_nothing_each() -> None:
+def test_without_estimates_there_is_no_time_per_estimate() -> None:
     (row,) = study_rows([replace(SEQUENCE, runs=(replace(RUN, estimates=(), events=0),))])
     assert (row["ms_per_estimate"], row["ns_per_event"]) == (None, None)
     assert (row["response_mean"], row["response_variation"]) == (None, None)
 
 
-def test_the_response_is_taken_once_settled_and_along_the_truth() -> None:
+def test_the_response_is_that_of_settled_steps_along_the_true_direction() -> None:
     steps = ((150_000, 9.0), (250_000, 0.2), (300_000, 0.4), (390_000, 0.6))
-    run = replace(RUN, estimates=tuple(said(t, hs) for t, hs in steps))
+    run = replace(RUN, estimates=tuple(estimate(t, hs) for t, hs in steps))
     mean, variation = response(SEQUENCE, run)
     assert mean == pytest.approx(0.4)
     assert variation == pytest.approx(0.5)

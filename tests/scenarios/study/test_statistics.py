@@ -2,31 +2,31 @@ import pytest
 
 from scenarios.study.statistics import (
     Interval,
-    by_method_and_light,
-    by_seed,
-    each,
+    by_method_and_lighting,
+    distinct,
     interval_of,
     mean_interval,
+    seed_means,
     select,
 )
 
 
-def test_the_interval_is_students() -> None:
+def test_the_interval_uses_student_s_t() -> None:
     found = mean_interval([1.0, 2.0, 3.0, 4.0, 5.0])
     assert found is not None
-    # t of 4 degrees of freedom at 97.5 % is 2.776 in any table; s = √2.5
+    # t with 4 degrees of freedom at 97.5 % is 2.776; s = √2.5
     half = 2.776 * 2.5**0.5 / 5**0.5
     assert (found.mean, found.number) == (3.0, 5)
     assert (found.low, found.high) == pytest.approx((3.0 - half, 3.0 + half), abs=1e-3)
 
 
-def test_missing_values_are_left_out_and_one_has_no_width() -> None:
+def test_missing_values_are_left_out_and_a_single_one_has_no_width() -> None:
     assert mean_interval([None, 2.0]) == Interval(2.0, 2.0, 2.0, 1)
     assert mean_interval([None, None]) is None
     assert mean_interval([]) is None
 
 
-def test_a_share_stays_between_0_and_1() -> None:
+def test_the_interval_of_a_share_is_clipped_to_0_and_1() -> None:
     found = mean_interval([1.0, 1.0, 0.9], is_share=True)
     assert found is not None
     assert found.high == 1.0
@@ -45,16 +45,16 @@ ROWS = [
 
 
 def test_a_seed_counts_once_however_many_sequences_it_has() -> None:
-    assert by_seed(select(ROWS, method="fly"), "accuracy") == [0.9, 0.5]
+    assert seed_means(select(ROWS, method="fly"), "accuracy") == [0.9, 0.5]
     found = interval_of(select(ROWS, method="fly"), "accuracy")
     assert found is not None
     assert found.mean == pytest.approx(0.7)
     assert found.number == 2
 
 
-def test_by_method_and_light() -> None:
-    found = by_method_and_light(ROWS, ["accuracy"])
+def test_intervals_by_method_and_lighting() -> None:
+    found = by_method_and_lighting(ROWS, ["accuracy"])
     assert list(found) == ["fly", "bee"]
     assert list(found["fly"]) == ["day"]
     assert found["bee"] == {"night": {"accuracy": None}}
-    assert each(ROWS, "seed") == [0, 1]
+    assert distinct(ROWS, "seed") == [0, 1]

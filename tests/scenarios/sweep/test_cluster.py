@@ -1,4 +1,4 @@
-"""A Dask cluster on this machine, and what becomes of a sweep when it loses a worker."""
+"""Sweeps on a Dask cluster on this machine, with and without lost workers."""
 
 import subprocess
 import sys
@@ -12,7 +12,12 @@ import pytest
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.parallel import run_on_cluster
 from scenarios.sweep.folder import CSV, PARQUET
-from tests.scenarios.sweep.cheap import finished_points, start, sweep_alone, sweep_on_cluster
+from tests.scenarios.sweep.quick_sweep import (
+    finished_points,
+    start,
+    sweep_in_process,
+    sweep_on_cluster,
+)
 
 ROOT = Path(__file__).parents[3]
 SWEEP = """
@@ -43,7 +48,7 @@ def wait_until(condition: Callable[[], bool], *, at_most_s: float = 60) -> None:
 
 
 def address_of(log: Path) -> str | None:
-    """What the scheduler says it listens at."""
+    """The address that the scheduler prints; None if it has not yet."""
     words = [word for word in log.read_text().split() if word.startswith("tcp://127.0.0.1:")]
     return words[0] if words else None
 
@@ -57,7 +62,7 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield str(address_of(log))
 
 
-def test_a_worker_killed_half_way_loses_no_point(scheduler: str, tmp_path: Path) -> None:
+def test_a_killed_worker_loses_no_point(scheduler: str, tmp_path: Path) -> None:
     file = tmp_path / "sweep.toml"
     file.write_text(SWEEP)
     worker = ["distributed.cli.dask_worker", scheduler, "--nthreads", "1", "--no-nanny"]
@@ -71,31 +76,35 @@ def test_a_worker_killed_half_way_loses_no_point(scheduler: str, tmp_path: Path)
         third = POINTS // 3
         wait_until(lambda: finished_points(tmp_path / "out") >= third or not process.is_alive())
         workers[0].kill()
-        at_the_kill = finished_points(tmp_path / "out")
+        finished_at_kill = finished_points(tmp_path / "out")
         process.join(timeout=60)
-    assert at_the_kill < POINTS * 2 // 3
+    assert finished_at_kill < POINTS * 2 // 3
     assert process.exitcode == 0
     assert finished_points(tmp_path / "out") == POINTS
-    sweep_alone(file, tmp_path / "alone")
+    sweep_in_process(file, tmp_path / "reference")
     for name in (CSV, PARQUET):
-        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "alone" / name).read_bytes()
+        assert (tmp_path / "out" / name).read_bytes() == (
+            tmp_path / "reference" / name
+        ).read_bytes()
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
-def test_no_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.pipeline.parallel._ANSWER_S", 0.2)
-    with pytest.raises(ScenarioError, match=r"no Dask scheduler answers at 127.0.0.1:9 .* start"):
+def test_a_missing_scheduler_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scenarios.pipeline.parallel._TIMEOUT_S", 0.2)
+    with pytest.raises(ScenarioError, match=r"No Dask scheduler answers at 127.0.0.1:9 .* Start"):
         list(run_on_cluster(abs, [1], address="127.0.0.1:9"))
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
-def test_no_worker_is_told(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.pipeline.parallel._ANSWER_S", 0.5)
-    with pytest.raises(ScenarioError, match=r"has no worker; .* dask worker tcp://127.0.0.1:"):
+def test_a_cluster_without_workers_is_reported(
+    scheduler: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.pipeline.parallel._TIMEOUT_S", 0.5)
+    with pytest.raises(ScenarioError, match=r"has no worker\. .* dask worker tcp://127.0.0.1:"):
         list(run_on_cluster(abs, [1], address=scheduler))
 
 
-def test_no_library_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_library_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ScenarioError, match=r"install it with: .* -m pip install distributed"):
+    with pytest.raises(ScenarioError, match=r"Install it with: .* -m pip install distributed"):
         list(run_on_cluster(abs, [1], address="127.0.0.1:9"))

@@ -1,3 +1,5 @@
+"""The journal of finished points."""
+
 import os
 from pathlib import Path
 
@@ -9,10 +11,10 @@ from scenarios.sweep.journal import Journal
 POINTS = {f"key {n}": {"detector.accuracy": n / 7, "detector.latency_ms": None} for n in range(3)}
 
 
-def test_a_journal_cut_anywhere_holds_the_points_before_the_cut(
+def test_a_journal_truncated_anywhere_holds_the_points_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(os, "fsync", lambda _descriptor: None)  # slow, and a thousand of them
+    monkeypatch.setattr(os, "fsync", lambda _descriptor: None)  # a thousand calls would be slow
     path = tmp_path / "points.jsonl"
     with Journal(path) as journal:
         for item in POINTS.items():
@@ -27,7 +29,7 @@ def test_a_journal_cut_anywhere_holds_the_points_before_the_cut(
         assert path.read_bytes() == content
 
 
-def test_a_damaged_line_is_not_believed(tmp_path: Path) -> None:
+def test_a_damaged_line_is_ignored(tmp_path: Path) -> None:
     path = tmp_path / "points.jsonl"
     with Journal(path) as journal:
         journal.add(POINTS.items())
@@ -38,13 +40,13 @@ def test_a_damaged_line_is_not_believed(tmp_path: Path) -> None:
             assert Journal.read(path) == {k: v for k, v in POINTS.items() if k != "key 0"}
 
 
-def test_a_point_stands_once(tmp_path: Path) -> None:
+def test_a_point_is_written_once(tmp_path: Path) -> None:
     with Journal(tmp_path / "points.jsonl") as journal:
         journal.add(POINTS.items())
         journal.add(POINTS.items())
     assert (tmp_path / "points.jsonl").read_bytes().count(b"\n") == 3
 
 
-def test_a_file_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"cannot be written .*choose another folder with --out"):
         Journal(tmp_path)

@@ -1,4 +1,4 @@
-"""Points that share their light, measured together and alone."""
+"""Points that share a rendered sequence, measured together and one by one."""
 
 from dataclasses import replace
 
@@ -7,12 +7,19 @@ import pytest
 from emulator import SensorConfig
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.pipeline.run_config import RunConfig, flat
-from scenarios.pipeline.running import Stopwatch, make_crossing, make_detector, note, run_steps
-from scenarios.pipeline.scoring import Track, judge
+from scenarios.pipeline.run_config import RunConfig, flatten
+from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
+from scenarios.pipeline.scoring import Track, score_estimates
 from scenarios.pipeline.summary import EventTally, truth_summary
-from scenarios.sweep.code import code_digest
-from scenarios.sweep.measure import MOST_TOGETHER, Failure, Results, Task, make_tasks, measure
+from scenarios.sweep.measure import (
+    MAX_TASK_POINTS,
+    Failure,
+    Results,
+    Task,
+    make_tasks,
+    measure_task,
+)
+from scenarios.sweep.point_key import code_digest
 from sim import CrossingConfig
 
 COARSE = CrossingConfig(omega_rad_s=3.0, step_px=8.0, supersample=1, lead_s=0.05)
@@ -27,59 +34,61 @@ CONFIGS = (
 
 
 @pytest.fixture(scope="module")
-def light(tmp_path_factory: pytest.TempPathFactory) -> CacheOptions:
-    return CacheOptions(cache=tmp_path_factory.mktemp("light"))
+def cache(tmp_path_factory: pytest.TempPathFactory) -> CacheOptions:
+    return CacheOptions(cache=tmp_path_factory.mktemp("cache"))
 
 
-def task(*configs: RunConfig, light: CacheOptions) -> Task:
-    return Task(configs, light, code_digest(), alone=True)
+def task(*configs: RunConfig, cache: CacheOptions) -> Task:
+    return Task(configs, cache, code_digest(), use_all_cores=True)
 
 
-def alone(config: RunConfig, light: CacheOptions) -> Results:
-    """As `flybench run` does it."""
-    crossing, detector = make_crossing(config, light.open()), make_detector(config)
-    tally, track, said = EventTally(), Track(), []
+def run_alone(config: RunConfig, cache: CacheOptions) -> Results:
+    """Run one point as `flybench run` does."""
+    crossing, detector = make_crossing(config, cache.open()), make_detector(config)
+    tally, track, estimates = EventTally(), Track(), []
     for step in run_steps(config, crossing, detector, Stopwatch()):
         tally.add(step.output)
-        note(track, step.sample.truth)
-        said += step.estimates
+        add_truth(track, step.sample.truth)
+        estimates += step.estimates
     truth = truth_summary(config, crossing, track.in_view_us)
-    judged = judge(said, config.crossing.direction, track.in_view_us, track)
-    return dict(flat({"truth": truth, "events": tally.summary(), "detector": judged}))
+    scores = score_estimates(estimates, config.crossing.direction, track.in_view_us, track)
+    return dict(flatten({"truth": truth, "events": tally.summary(), "detector": scores}))
 
 
-def test_every_point_is_as_it_would_be_alone(light: CacheOptions) -> None:
-    together = measure(task(*CONFIGS, light=light))
-    assert together == [alone(config, light) for config in CONFIGS]
+def test_every_point_has_the_same_results_as_alone(cache: CacheOptions) -> None:
+    together = measure_task(task(*CONFIGS, cache=cache))
+    assert together == [run_alone(config, cache) for config in CONFIGS]
     counts = [result["events.count"] for result in together if not isinstance(result, Failure)]
     assert counts[0] == counts[2]
     assert len(set(counts)) == 3
     assert together[0]["detector.direction"] == "right"  # type: ignore[index]
 
 
-def test_what_fails_fails_alone(light: CacheOptions) -> None:
-    bee = replace(FLY, method="tests.scenarios.sweep.cheap:Bee", fly=None)
-    good, bad = measure(task(FLY, bee, light=light))
-    assert good == measure(task(FLY, light=light))[0]
+def test_one_failing_point_leaves_the_others_unharmed(cache: CacheOptions) -> None:
+    failing = replace(FLY, method="tests.scenarios.sweep.quick_sweep:FailingDetector", fly=None)
+    good, bad = measure_task(task(FLY, failing, cache=cache))
+    assert good == measure_task(task(FLY, cache=cache))[0]
     assert isinstance(bad, Failure)
-    assert bad.reason.startswith("RuntimeError: no nectar (cheap.py, line ")
+    assert bad.reason.startswith("RuntimeError: no nectar (quick_sweep.py, line ")
 
 
-def test_other_code_is_refused(light: CacheOptions) -> None:
-    with pytest.raises(ScenarioError, match=r"runs another version of flybench .* start anew"):
-        measure(Task((FLY,), light, code="of last year"))
+def test_a_worker_with_other_code_is_refused(cache: CacheOptions) -> None:
+    with pytest.raises(ScenarioError, match=r"runs another version of flybench .* start again"):
+        measure_task(Task((FLY,), cache, code="of last year"))
 
 
-def test_tasks_share_light_and_begin_with_one_of_each() -> None:
-    night = replace(FLY, crossing=replace(COARSE, street_seed=1))
+def test_a_task_has_one_sequence_and_every_sequence_starts_early() -> None:
+    other_street = replace(FLY, crossing=replace(COARSE, street_seed=1))
     wide = replace(FLY, sensor=SensorConfig(width=97, height=64))
-    configs = [replace(c, seed=n) for n in range(MOST_TOGETHER + 1) for c in (FLY, night, wide)]
+    configs = [
+        replace(c, seed=n) for n in range(MAX_TASK_POINTS + 1) for c in (FLY, other_street, wide)
+    ]
     tasks = make_tasks(configs, CacheOptions())
-    assert [len(task.configs) for task in tasks] == [MOST_TOGETHER] * 3 + [1] * 3
+    assert [len(task.configs) for task in tasks] == [MAX_TASK_POINTS] * 3 + [1] * 3
     assert sorted(c.name for task in tasks for c in task.configs) == sorted(c.name for c in configs)
     for task in tasks:
         assert len({(c.crossing, c.sensor.width) for c in task.configs}) == 1
 
 
-def test_a_sweep_of_nothing_has_no_task() -> None:
+def test_no_points_make_no_tasks() -> None:
     assert make_tasks([], CacheOptions()) == []

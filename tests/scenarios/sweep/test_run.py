@@ -1,4 +1,4 @@
-"""What is finished stays finished, whatever happens to the process."""
+"""Sweeps that are interrupted, resumed, changed or refused."""
 
 import json
 import random
@@ -9,17 +9,17 @@ import pyarrow.parquet as pq
 import pytest
 
 from scenarios.errors import OutputError
-from scenarios.pipeline.parallel import run_here
+from scenarios.pipeline.parallel import run_locally
 from scenarios.sweep.folder import CSV, FILES, JOURNAL, LOCK, PARQUET, sweep_folder
 from scenarios.sweep.plan import read_plan
-from scenarios.sweep.run import Measure, finished, run_sweep
-from tests.scenarios.sweep.cheap import (
-    broken,
-    cheap,
+from scenarios.sweep.run import Measure, count_finished, run_sweep
+from tests.scenarios.sweep.quick_sweep import (
+    fail_for_seed_1,
     finished_points,
-    refused,
+    must_not_run,
+    quick_results,
     start,
-    sweep_alone,
+    sweep_in_process,
 )
 
 SWEEP = """
@@ -28,10 +28,10 @@ seeds = 2
 crossing.omega_rad_s = [2.0, 0.5, 1.0, 4.0, 1.5, 2.5]
 sensor.theta_on = [0.2, 0.1]
 """
-HERE = partial(run_here, jobs=1)
+HERE = partial(run_locally, jobs=1)
 
 
-def written(path: Path, text: str = SWEEP) -> Path:
+def write_sweep(path: Path, text: str = SWEEP) -> Path:
     path.write_text(text)
     return path
 
@@ -41,16 +41,18 @@ def tables(folder: Path) -> tuple[bytes, bytes]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A sweep's file, and its folder as it is when nothing interrupts it."""
-    path = tmp_path_factory.mktemp("whole")
-    file = written(path / "sweep.toml")
-    sweep_alone(file, path / "out")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A sweep file, and the folder of an uninterrupted sweep."""
+    path = tmp_path_factory.mktemp("finished")
+    file = write_sweep(path / "sweep.toml")
+    sweep_in_process(file, path / "out")
     return file, path / "out"
 
 
-def test_the_folder_holds_a_row_a_point_in_the_order_of_the_file(whole: tuple[Path, Path]) -> None:
-    folder = whole[1]
+def test_the_table_has_one_row_per_point_in_the_order_of_the_file(
+    finished: tuple[Path, Path],
+) -> None:
+    folder = finished[1]
     assert {path.name for path in folder.iterdir()} == FILES
     assert (folder / "sweep.toml").read_text() == SWEEP
     table = pq.read_table(folder / PARQUET).to_pylist()
@@ -64,10 +66,12 @@ def test_the_folder_holds_a_row_a_point_in_the_order_of_the_file(whole: tuple[Pa
     assert set(summary["files"]) == FILES
 
 
-def test_killed_at_any_moment_it_ends_the_same(whole: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_sweep_that_is_killed_and_resumed_gives_the_same_tables(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
     folder, moments, reached = tmp_path / "out", random.Random(6), [0]
     for _ in range(100):
-        process = start(sweep_alone, whole[0], folder)
+        process = start(sweep_in_process, finished[0], folder)
         due = reached[-1] + moments.randrange(8)
         while process.is_alive() and finished_points(folder) < due:
             process.join(timeout=0.001)
@@ -81,82 +85,101 @@ def test_killed_at_any_moment_it_ends_the_same(whole: tuple[Path, Path], tmp_pat
     assert any(0 < n < 24 for n in reached)
     assert reached == sorted(reached)
     assert finished_points(folder) == 24
-    assert tables(folder) == tables(whole[1])
+    assert tables(folder) == tables(finished[1])
 
 
-def test_a_torn_last_line_is_measured_again(whole: tuple[Path, Path], tmp_path: Path) -> None:
-    lines = (whole[1] / JOURNAL).read_bytes().splitlines(keepends=True)
+def test_a_point_with_an_incomplete_line_is_measured_again(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
+    lines = (finished[1] / JOURNAL).read_bytes().splitlines(keepends=True)
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / LOCK).touch()
     (folder / JOURNAL).write_bytes(b"".join(lines[:20]) + lines[20][:-5])
-    assert finished(folder, read_plan(whole[0]).points) == 20
-    assert sweep_alone(whole[0], folder).found == 20
-    assert tables(folder) == tables(whole[1])
+    assert count_finished(folder, read_plan(finished[0]).points) == 20
+    assert sweep_in_process(finished[0], folder).reused == 20
+    assert tables(folder) == tables(finished[1])
 
 
-def test_processes_and_their_order_change_nothing(whole: tuple[Path, Path], tmp_path: Path) -> None:
-    run_sweep(read_plan(whole[0]), tmp_path / "out", partial(run_here, jobs=2), measure=cheap)
-    assert tables(tmp_path / "out") == tables(whole[1])
+def test_the_order_in_which_tasks_finish_changes_nothing(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
+    run_sweep(
+        read_plan(finished[0]),
+        tmp_path / "out",
+        partial(run_locally, jobs=2),
+        measure=quick_results,
+    )
+    assert tables(tmp_path / "out") == tables(finished[1])
 
     def backwards(function: Measure, tasks: object) -> object:
-        return reversed(list(run_here(function, tasks, jobs=1)))  # type: ignore[arg-type]
+        return reversed(list(run_locally(function, tasks, jobs=1)))  # type: ignore[arg-type]
 
-    run_sweep(read_plan(whole[0]), tmp_path / "back", backwards, measure=cheap)  # type: ignore[arg-type]
-    assert tables(tmp_path / "back") == tables(whole[1])
+    run_sweep(read_plan(finished[0]), tmp_path / "back", backwards, measure=quick_results)  # type: ignore[arg-type]
+    assert tables(tmp_path / "back") == tables(finished[1])
 
 
-def test_a_finished_point_is_never_measured_again(whole: tuple[Path, Path], tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
-    plan = read_plan(whole[0])
-    sweep_alone(whole[0], tmp_path / "out")
+def test_a_finished_point_is_not_measured_again(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
+    reported: list[tuple[int, int]] = []
+    plan = read_plan(finished[0])
+    sweep_in_process(finished[0], tmp_path / "out")
     done = run_sweep(
-        plan, tmp_path / "out", HERE, measure=refused, progress=lambda *n: told.append(n)
+        plan, tmp_path / "out", HERE, measure=must_not_run, progress=lambda *n: reported.append(n)
     )
-    assert (done.found, done.left_out) == (24, 0)
-    assert told == [(24, 24)]
-    assert tables(tmp_path / "out") == tables(whole[1])
+    assert (done.reused, done.unused) == (24, 0)
+    assert reported == [(24, 24)]
+    assert tables(tmp_path / "out") == tables(finished[1])
 
 
-def test_another_file_keeps_what_it_shares(whole: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_changed_file_reuses_the_points_that_it_shares(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
     folder = tmp_path / "out"
-    sweep_alone(whole[0], folder)
-    other = written(
+    sweep_in_process(finished[0], folder)
+    other = write_sweep(
         tmp_path / "b.toml", SWEEP.replace("[2.0, 0.5, 1.0, 4.0, 1.5, 2.5]", "[1.0, 2.0, 3.0]")
     )
-    done = sweep_alone(other, folder)
-    assert (done.found, done.left_out, len(done.table)) == (8, 16, 12)
+    done = sweep_in_process(other, folder)
+    assert (done.reused, done.unused, len(done.table)) == (8, 16, 12)
     assert {row["crossing.omega_rad_s"] for row in done.table} == {1.0, 2.0, 3.0}
-    again = sweep_alone(whole[0], folder)
-    assert (again.found, again.left_out) == (24, 4)
-    assert tables(folder) == tables(whole[1])
+    again = sweep_in_process(finished[0], folder)
+    assert (again.reused, again.unused) == (24, 4)
+    assert tables(folder) == tables(finished[1])
 
 
-def test_what_fails_is_named_and_the_rest_is_kept(whole: tuple[Path, Path], tmp_path: Path) -> None:
+def test_failed_points_are_named_and_the_others_are_kept(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
     folder = tmp_path / "out"
-    sweep_alone(written(tmp_path / "a.toml", "seeds = 1"), folder)
-    done = run_sweep(read_plan(whole[0]), folder, HERE, measure=broken)
+    sweep_in_process(write_sweep(tmp_path / "a.toml", "seeds = 1"), folder)
+    done = run_sweep(read_plan(finished[0]), folder, HERE, measure=fail_for_seed_1)
     assert done.table == []
     assert {(p.config.seed, reason) for p, reason in done.failed} == {(1, "no luck")}
     assert len(done.failed) == 12
-    assert not (folder / CSV).exists()  # of the sweep before
-    assert sweep_alone(whole[0], folder).found == 12
-    assert tables(folder) == tables(whole[1])
+    assert not (folder / CSV).exists()  # that of the earlier sweep is removed
+    assert sweep_in_process(finished[0], folder).reused == 12
+    assert tables(folder) == tables(finished[1])
 
 
-def test_two_at_once_in_one_folder_are_refused(whole: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_second_process_in_one_folder_is_refused(
+    finished: tuple[Path, Path], tmp_path: Path
+) -> None:
     with (
         sweep_folder(tmp_path / "out"),
-        pytest.raises(OutputError, match=r"another process is at the sweep in .*; allowed is one"),
+        pytest.raises(
+            OutputError, match=r"Another process is running the sweep in .*\. Allowed is one"
+        ),
     ):
-        sweep_alone(whole[0], tmp_path / "out")
+        sweep_in_process(finished[0], tmp_path / "out")
 
 
 @pytest.mark.parametrize("name", ["thesis.txt", "results.csv", "summary.json"])
-def test_a_folder_that_is_not_a_sweeps_is_left_alone(
-    name: str, whole: tuple[Path, Path], tmp_path: Path
+def test_a_folder_of_something_else_is_refused_and_left_unchanged(
+    name: str, finished: tuple[Path, Path], tmp_path: Path
 ) -> None:
     (tmp_path / name).write_text("mine")
     with pytest.raises(OutputError, match="was not written by flybench"):
-        sweep_alone(whole[0], tmp_path)
+        sweep_in_process(finished[0], tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [name]

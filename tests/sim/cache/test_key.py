@@ -1,4 +1,4 @@
-"""What tells one sequence's light from another's."""
+"""The cache key changes with everything that determines luminance."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,11 +19,11 @@ def model() -> Any:
 
 
 def key(model: Any, config: CrossingConfig = CONFIG, **options: Any) -> str:
-    known: dict[str, Any] = {"lens": Intrinsics(), "times_us": TIMES_US} | options
-    return luminance_key.luminance_key(config, model, **known)
+    others: dict[str, Any] = {"lens": Intrinsics(), "times_us": TIMES_US} | options
+    return luminance_key.luminance_key(config, model, **others)
 
 
-def test_it_is_a_name_and_the_same_for_the_same(model: Any) -> None:
+def test_equal_configurations_have_equal_keys_of_64_hexadecimal_digits(model: Any) -> None:
     assert len(key(model)) == 64
     assert int(key(model), 16) > 0
     assert key(
@@ -44,11 +44,13 @@ def test_it_is_a_name_and_the_same_for_the_same(model: Any) -> None:
         {"distractors": Distractors(seed=1)},
     ],
 )
-def test_any_part_of_the_configuration_tells(model: Any, changed: dict[str, Any]) -> None:
+def test_any_change_of_the_configuration_changes_the_key(
+    model: Any, changed: dict[str, Any]
+) -> None:
     assert key(model, replace(CONFIG, **changed)) != key(model)
 
 
-def test_lens_and_times_tell(model: Any) -> None:
+def test_lens_and_times_change_the_key(model: Any) -> None:
     others = {
         key(model, lens=Intrinsics(focal_px=300.0)),
         key(model, lens=Intrinsics(width=345)),
@@ -58,16 +60,18 @@ def test_lens_and_times_tell(model: Any) -> None:
     assert len(others | {key(model)}) == 5
 
 
-def test_the_scene_itself_tells_and_drawing_leaves_it_as_it_is(model: Any) -> None:
-    it = Crossing(replace(CONFIG, step_px=8.0, supersample=1))
-    before = key(it.scene.model)
-    list(it.samples([0, it.duration_us // 2]))
-    assert key(it.scene.model) == before
-    it.scene.model.mat_rgba[3, 0] *= 0.5
-    assert key(it.scene.model) != before
+def test_the_scene_changes_the_key_and_rendering_does_not() -> None:
+    crossing = Crossing(replace(CONFIG, step_px=8.0, supersample=1))
+    before = key(crossing.scene.model)
+    list(crossing.samples([0, crossing.duration_us // 2]))
+    assert key(crossing.scene.model) == before
+    crossing.scene.model.mat_rgba[3, 0] *= 0.5
+    assert key(crossing.scene.model) != before
 
 
-def test_libraries_devices_and_sources_tell(model: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_libraries_devices_and_sources_change_the_key(
+    model: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     keys = {key(model)}
     monkeypatch.setattr("sim.cache.key.mujoco.__version__", "4.0.1")
     keys.add(key(model))

@@ -1,4 +1,4 @@
-"""The cache of light: drawn once, bounded, shared, never wrong, whatever becomes of its files."""
+"""The luminance cache: rendered once, limited in size, shared, and safe against damaged files."""
 
 import multiprocessing
 import os
@@ -19,23 +19,23 @@ import pytest
 from sim import Crossing, CrossingConfig, Lighting, SimError
 from sim import crossing as crossing_module
 from sim.cache.luminance_cache import LOCK, LuminanceCache, LuminanceStream
-from sim.cache.luminance_file import Light
+from sim.cache.luminance_file import LuminanceSample
 from sim.errors import RendererError
-from tests.sim.lights import KEY, OTHER, SHAPE, lights, same
+from tests.sim.luminance_samples import KEY, OTHER_KEY, SHAPE, equal, samples
 
 COUNT = 4
 
 
-def refuse(sentence: str) -> None:
-    raise AssertionError(sentence)
+def fail_on_warning(message: str) -> None:
+    raise AssertionError(message)
 
 
 def cache(folder: Path, **options: Any) -> LuminanceCache:
-    return LuminanceCache(folder, **({"warn": refuse} | options))
+    return LuminanceCache(folder, **({"warn": fail_on_warning} | options))
 
 
-def never() -> LuminanceStream:
-    raise AssertionError("drawn")
+def must_not_render() -> LuminanceStream:
+    raise AssertionError("rendered")
     yield
 
 
@@ -44,103 +44,104 @@ def entry(folder: Path, key: str = KEY) -> Path:
 
 
 def fill(folder: Path, key: str = KEY, **options: Any) -> LuminanceCache:
-    it = cache(folder, **options)
-    assert same(it.light(key, SHAPE, COUNT, lights), lights())
-    return it
+    filled = cache(folder, **options)
+    assert equal(filled.samples(key, SHAPE, COUNT, samples), samples())
+    return filled
 
 
 def names(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()} - {LOCK}
 
 
-def test_a_sequence_is_drawn_once(tmp_path: Path) -> None:
-    it = fill(tmp_path / "made" / "when needed")
-    assert (it.found, it.drawn) == (0, COUNT)
-    assert same(it.light(KEY, SHAPE, COUNT, never), lights())
-    assert (it.found, it.drawn) == (COUNT, COUNT)
-    assert names(it.folder) == {entry(tmp_path).name}
+def test_a_sequence_is_rendered_once(tmp_path: Path) -> None:
+    filled = fill(tmp_path / "made" / "when needed")
+    assert (filled.read, filled.rendered) == (0, COUNT)
+    assert equal(filled.samples(KEY, SHAPE, COUNT, must_not_render), samples())
+    assert (filled.read, filled.rendered) == (COUNT, COUNT)
+    assert names(filled.folder) == {entry(tmp_path).name}
 
 
 def test_another_key_is_another_sequence(tmp_path: Path) -> None:
     fill(tmp_path)
-    drawn = cache(tmp_path).light(OTHER, SHAPE, COUNT, lambda: lights(seed=1))
-    assert same(drawn, lights(seed=1))
-    assert same(cache(tmp_path).light(KEY, SHAPE, COUNT, never), lights())
-    assert same(cache(tmp_path).light(OTHER, SHAPE, COUNT, never), lights(seed=1))
+    rendered = cache(tmp_path).samples(OTHER_KEY, SHAPE, COUNT, lambda: samples(seed=1))
+    assert equal(rendered, samples(seed=1))
+    for key, seed in ((KEY, 0), (OTHER_KEY, 1)):
+        stored = cache(tmp_path).samples(key, SHAPE, COUNT, must_not_render)
+        assert equal(stored, samples(seed=seed))
 
 
-def test_a_reader_that_asks_for_no_more_than_there_is_has_the_entry_kept(tmp_path: Path) -> None:
-    samples = cache(tmp_path).light(KEY, SHAPE, COUNT, lights)
-    assert len(list(islice(samples, COUNT))) == COUNT
+def test_an_entry_is_stored_once_the_last_sample_is_taken(tmp_path: Path) -> None:
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, samples)
+    assert len(list(islice(stream, COUNT))) == COUNT
     assert names(tmp_path) == {entry(tmp_path).name}
 
 
-def test_what_was_not_drawn_to_its_end_does_not_count(tmp_path: Path) -> None:
-    samples = cache(tmp_path).light(KEY, SHAPE, COUNT, lights)
-    next(samples)
+def test_an_incomplete_sequence_is_not_stored(tmp_path: Path) -> None:
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, samples)
+    next(stream)
     assert [name.rpartition(".")[2] for name in names(tmp_path)] == ["part"]
-    samples.close()
+    stream.close()
     assert names(tmp_path) == set()
 
 
-def test_a_drawing_that_fails_leaves_nothing_and_says_so_itself(tmp_path: Path) -> None:
-    def lost() -> LuminanceStream:
-        yield from islice(lights(), 2)
+def test_an_error_while_rendering_is_passed_on_and_leaves_no_file(tmp_path: Path) -> None:
+    def render() -> LuminanceStream:
+        yield from islice(samples(), 2)
         raise RendererError("the Vulkan device is lost")
 
     with pytest.raises(RendererError, match="lost"):
-        list(cache(tmp_path).light(KEY, SHAPE, COUNT, lost))
+        list(cache(tmp_path).samples(KEY, SHAPE, COUNT, render))
     assert names(tmp_path) == set()
 
 
-def test_the_drawing_is_closed_when_the_reader_stops(tmp_path: Path) -> None:
+def test_rendering_is_closed_when_the_reader_stops(tmp_path: Path) -> None:
     closed = []
 
-    def drawing() -> LuminanceStream:
+    def render() -> LuminanceStream:
         try:
-            yield from lights()
+            yield from samples()
         finally:
             closed.append(True)
 
-    samples = cache(tmp_path).light(KEY, SHAPE, COUNT, drawing)
-    next(samples)
-    samples.close()
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, render)
+    next(stream)
+    stream.close()
     assert closed == [True]
 
 
-def test_an_entry_cut_anywhere_is_drawn_anew(tmp_path: Path) -> None:
+def test_an_entry_truncated_anywhere_is_rendered_again(tmp_path: Path) -> None:
     fill(tmp_path)
     whole = entry(tmp_path).read_bytes()
     for size in range(len(whole)):
         entry(tmp_path).write_bytes(whole[:size])
-        it = fill(tmp_path)
-        assert it.found + it.drawn == COUNT
-        assert it.drawn > 0
+        filled = fill(tmp_path)
+        assert filled.read + filled.rendered == COUNT
+        assert filled.rendered > 0
         assert entry(tmp_path).read_bytes() == whole
 
 
-def test_an_entry_with_a_flip_anywhere_is_drawn_anew(tmp_path: Path) -> None:
+def test_an_entry_with_a_flipped_bit_anywhere_is_rendered_again(tmp_path: Path) -> None:
     fill(tmp_path)
     whole = entry(tmp_path).read_bytes()
     for place in range(len(whole)):
         damaged = bytearray(whole)
         damaged[place] ^= 1 << place % 8
         entry(tmp_path).write_bytes(damaged)
-        it = fill(tmp_path)
-        assert it.found + it.drawn == COUNT
-        assert it.drawn > 0
+        filled = fill(tmp_path)
+        assert filled.read + filled.rendered == COUNT
+        assert filled.rendered > 0
         assert entry(tmp_path).read_bytes() == whole
 
 
-def test_a_damaged_entry_is_removed_even_where_it_cannot_be_replaced(tmp_path: Path) -> None:
+def test_a_damaged_entry_is_deleted_even_if_it_cannot_be_replaced(tmp_path: Path) -> None:
     fill(tmp_path)
     entry(tmp_path).write_bytes(b"light")
-    said: list[str] = []
-    fill(tmp_path, limit_bytes=1, warn=said.append)
+    warned: list[str] = []
+    fill(tmp_path, limit_bytes=1, warn=warned.append)
     assert names(tmp_path) == set()
 
 
-def test_what_was_used_longest_ago_goes_first(tmp_path: Path) -> None:
+def test_the_entries_used_longest_ago_are_deleted_first(tmp_path: Path) -> None:
     keys = [letter * 64 for letter in "abcd"]
     size = 0
     for age, key in enumerate(keys[:3]):
@@ -154,30 +155,30 @@ def test_what_was_used_longest_ago_goes_first(tmp_path: Path) -> None:
     assert names(tmp_path) == {f"{'e' * 64}.light"}
 
 
-def test_an_entry_beyond_the_bound_is_not_kept_and_takes_no_other_with_it(tmp_path: Path) -> None:
+def test_an_entry_above_the_limit_is_not_stored_and_evicts_nothing(tmp_path: Path) -> None:
     fill(tmp_path)
     size = entry(tmp_path).stat().st_size
-    said: list[str] = []
-    it = cache(tmp_path, limit_bytes=size, warn=said.append)
-    assert same(it.light(OTHER, SHAPE, 40, lambda: lights(40)), lights(40))
-    assert same(it.light("c" * 64, SHAPE, 40, lambda: lights(40)), lights(40))
+    warned: list[str] = []
+    limited = cache(tmp_path, limit_bytes=size, warn=warned.append)
+    for key in (OTHER_KEY, "c" * 64):
+        assert equal(limited.samples(key, SHAPE, 40, lambda: samples(40)), samples(40))
     assert names(tmp_path) == {entry(tmp_path).name}
-    (sentence,) = said
-    assert "GB that are allowed in" in sentence
+    (message,) = warned
+    assert "takes more than the" in message
 
 
-def test_a_bound_below_nothing_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(SimError, match="limit_bytes is -1; allowed is 0 or more"):
+def test_a_negative_limit_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SimError, match=r"limit_bytes is -1\. Allowed is 0 or more"):
         LuminanceCache(tmp_path, limit_bytes=-1)
 
 
-def test_an_evicted_entry_is_still_read_to_its_end(tmp_path: Path) -> None:
+def test_an_entry_deleted_while_it_is_read_is_read_to_its_end(tmp_path: Path) -> None:
     fill(tmp_path)
-    samples = cache(tmp_path).light(KEY, SHAPE, COUNT, never)
-    first = next(samples)
-    fill(tmp_path, OTHER, limit_bytes=entry(tmp_path).stat().st_size)
-    assert names(tmp_path) == {entry(tmp_path, OTHER).name}
-    assert same(iter([first, *samples]), lights())
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, must_not_render)
+    first = next(stream)
+    fill(tmp_path, OTHER_KEY, limit_bytes=entry(tmp_path).stat().st_size)
+    assert names(tmp_path) == {entry(tmp_path, OTHER_KEY).name}
+    assert equal(iter([first, *stream]), samples())
 
 
 def test_other_files_are_left_alone(tmp_path: Path) -> None:
@@ -188,28 +189,29 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
     assert names(tmp_path) == mine | {entry(tmp_path).name}
 
 
-def test_a_folder_that_cannot_be_made_is_said_once_and_nothing_else_changes(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_gives_one_warning_and_the_samples(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    said: list[str] = []
-    it = cache(tmp_path / "file" / "folder", warn=said.append)
-    for key in (KEY, OTHER):
-        assert same(it.light(key, SHAPE, COUNT, lights), lights())
-    (sentence,) = said
-    assert str(it.folder) in sentence
-    assert "Not a directory" in sentence
+    warned: list[str] = []
+    broken = cache(tmp_path / "file" / "folder", warn=warned.append)
+    for key in (KEY, OTHER_KEY):
+        assert equal(broken.samples(key, SHAPE, COUNT, samples), samples())
+    (message,) = warned
+    assert str(broken.folder) in message
+    assert "Not a directory" in message
 
 
-def test_without_a_listener_it_is_a_warning(tmp_path: Path) -> None:
+def test_by_default_the_message_is_a_python_warning(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
-        assert same(LuminanceCache(tmp_path / "file").light(KEY, SHAPE, COUNT, lights), lights())
-    assert len(said) == 1
+        stream = LuminanceCache(tmp_path / "file").samples(KEY, SHAPE, COUNT, samples)
+        assert equal(stream, samples())
+    assert len(warned) == 1
 
 
 @contextmanager
 def no_file_beyond(size: int) -> Iterator[None]:
-    """As a full disk does, writing fails half way."""
+    """Make writing fail half way, as on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
@@ -221,69 +223,74 @@ def no_file_beyond(size: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("size", [0, 100, 20_000])
-def test_a_disk_that_is_full_is_said_once_and_leaves_nothing(tmp_path: Path, size: int) -> None:
-    """In the midst, and, where all is still in a buffer, at the end."""
-    said: list[str] = []
-    it = cache(tmp_path, warn=said.append)
+def test_a_full_disk_gives_one_warning_and_leaves_no_file(tmp_path: Path, size: int) -> None:
+    """Writing fails half way or, if everything is still in a buffer, at the end."""
+    shape = (50, 70)
+    warned: list[str] = []
+    full = cache(tmp_path, warn=warned.append)
     with no_file_beyond(size):
-        drawn = list(it.light(KEY, (50, 70), COUNT, lambda: lights(shape=(50, 70))))
-        again = list(it.light(OTHER, (50, 70), COUNT, lambda: lights(shape=(50, 70))))
-    assert same(iter(drawn), lights(shape=(50, 70)))
-    assert same(iter(again), lights(shape=(50, 70)))
+        found = [
+            list(full.samples(key, shape, COUNT, lambda: samples(shape=shape)))
+            for key in (KEY, OTHER_KEY)
+        ]
+    for stream in found:
+        assert equal(iter(stream), samples(shape=shape))
     assert names(tmp_path) == set()
-    (sentence,) = said
-    assert "File too large" in sentence
+    (message,) = warned
+    assert "File too large" in message
 
 
-def test_an_entry_that_is_a_folder_is_no_entry(tmp_path: Path) -> None:
+def test_a_folder_with_the_name_of_an_entry_gives_one_warning(tmp_path: Path) -> None:
     entry(tmp_path).mkdir()
-    said: list[str] = []
-    fill(tmp_path, warn=said.append)
-    assert len(said) == 1
+    warned: list[str] = []
+    fill(tmp_path, warn=warned.append)
+    assert len(warned) == 1
     assert names(tmp_path) == {entry(tmp_path).name}
 
 
-DIES = """
+KILLED_WRITER = """
 import os, signal, sys
 from pathlib import Path
 from sim.cache.luminance_cache import LuminanceCache
-from tests.sim.lights import KEY, SHAPE, lights
-samples = LuminanceCache(Path(sys.argv[1])).light(KEY, SHAPE, 4, lights)
-next(samples)
+from tests.sim.luminance_samples import KEY, SHAPE, samples
+stream = LuminanceCache(Path(sys.argv[1])).samples(KEY, SHAPE, 4, samples)
+next(stream)
 os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_what_a_killed_writer_left_counts_for_nothing_and_is_swept(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", DIES, str(tmp_path)], check=False)
+def test_the_file_of_a_killed_writer_is_deleted(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED_WRITER, str(tmp_path)], check=False)
     assert done.returncode == -signal.SIGKILL
     (left,) = names(tmp_path)
     assert left.endswith(".part")
-    writing = cache(tmp_path).light(OTHER, SHAPE, COUNT, lights)
+    writing = cache(tmp_path).samples(OTHER_KEY, SHAPE, COUNT, samples)
     next(writing)
     assert left not in names(tmp_path)
-    fill(tmp_path)  # and does not sweep the one who still writes
-    assert same(iter(list(writing)[-1:]), iter(list(lights())[-1:]))
-    assert names(tmp_path) == {entry(tmp_path).name, entry(tmp_path, OTHER).name}
+    fill(tmp_path)  # does not delete the file that is still being written
+    assert equal(iter(list(writing)[-1:]), iter(list(samples())[-1:]))
+    assert names(tmp_path) == {entry(tmp_path).name, entry(tmp_path, OTHER_KEY).name}
 
 
-def _use(folder: Path, keys: list[str], limit_bytes: int, barrier: Any) -> int:
+def _count_wrong(folder: Path, keys: list[str], limit_bytes: int, barrier: Any) -> int:
+    """Read or render entries many times; return how often the samples were wrong."""
     barrier.wait()
     wrong = 0
     for turn in range(60):
         key = keys[turn % len(keys)]
-        it = cache(folder, limit_bytes=limit_bytes)
-        wrong += not same(it.light(key, SHAPE, 20, lambda: lights(20)), lights(20))
+        shared = cache(folder, limit_bytes=limit_bytes)
+        stream = shared.samples(key, SHAPE, 20, lambda: samples(20))
+        wrong += not equal(stream, samples(20))
     return wrong
 
 
 def _report(queue: Any, *arguments: Any) -> None:
-    queue.put(_use(*arguments))
+    queue.put(_count_wrong(*arguments))
 
 
-def test_processes_that_want_the_same_entries_all_get_the_right_light(tmp_path: Path) -> None:
-    """With room for two of three, so that they also evict what the others read."""
-    list(cache(tmp_path / "one").light(KEY, SHAPE, 20, lambda: lights(20)))
+def test_processes_that_share_a_folder_all_get_the_right_samples(tmp_path: Path) -> None:
+    """There is room for two of three entries, so that processes delete what others read."""
+    list(cache(tmp_path / "one").samples(KEY, SHAPE, 20, lambda: samples(20)))
     limit = int(2.5 * entry(tmp_path / "one").stat().st_size)
     keys, spawn = [letter * 64 for letter in "abc"], multiprocessing.get_context("spawn")
     queue, barrier = spawn.Queue(), spawn.Barrier(3)
@@ -305,21 +312,21 @@ class NoRenderer:
 
 
 @pytest.mark.parametrize("lighting", [Lighting.DAY, Lighting.NIGHT])
-def test_a_crossing_from_the_cache_is_that_which_was_rendered(
+def test_a_crossing_from_the_cache_equals_the_rendered_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lighting: Lighting
 ) -> None:
     config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=128.0)
 
-    def samples(cache: LuminanceCache | None) -> list[Any]:
+    def crossing_samples(cache: LuminanceCache | None) -> list[Any]:
         crossing = Crossing(config, cache=cache)
         times_us = crossing.times_us()
         return list(crossing.samples(times_us[: len(times_us) // 2]))
 
-    rendered, kept = samples(None), samples(cache(tmp_path))
+    rendered, stored = crossing_samples(None), crossing_samples(cache(tmp_path))
     monkeypatch.setattr(crossing_module, "FilamentRenderer", NoRenderer)
-    read = samples(cache(tmp_path))
-    assert len(rendered) == len(kept) == len(read) > 25
-    for one, *others in zip(rendered, kept, read, strict=True):
+    read = crossing_samples(cache(tmp_path))
+    assert len(rendered) == len(stored) == len(read) > 25
+    for one, *others in zip(rendered, stored, read, strict=True):
         for other in others:
             assert (one.t_us, one.changed) == (other.t_us, other.changed)
             assert np.array_equal(one.luminance, other.luminance)
@@ -329,65 +336,64 @@ def test_a_crossing_from_the_cache_is_that_which_was_rendered(
             assert np.array_equal(one.truth.image_velocity_px_s, other.truth.image_velocity_px_s)
 
 
-def test_light_is_passed_on_as_it_was_given(tmp_path: Path) -> None:
-    given = list(lights())
-    for light, original in zip(
-        cache(tmp_path).light(KEY, SHAPE, COUNT, lambda: (x for x in given)), given, strict=True
-    ):
-        assert light is original
-        assert isinstance(light, Light)
+def test_rendered_samples_are_passed_on_unchanged(tmp_path: Path) -> None:
+    rendered = list(samples())
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, lambda: (x for x in rendered))
+    for sample, original in zip(stream, rendered, strict=True):
+        assert sample is original
+        assert isinstance(sample, LuminanceSample)
 
 
-def test_what_goes_with_light_is_made_once_and_anew_where_it_is_damaged(tmp_path: Path) -> None:
+def test_accompanying_data_are_made_once_and_again_if_damaged(tmp_path: Path) -> None:
     made: list[bytes] = []
 
     def make() -> bytes:
         made.append(b"picture")
         return made[-1]
 
-    assert [cache(tmp_path).kept(KEY, make) for _ in range(2)] == [b"picture"] * 2
+    assert [cache(tmp_path).get_or_make(KEY, make) for _ in range(2)] == [b"picture"] * 2
     assert len(made) == 1
     whole = entry(tmp_path).read_bytes()
     for damaged in (b"", whole[:-1], whole[:3], whole[:-1] + b"!"):
         entry(tmp_path).write_bytes(damaged)
-        assert cache(tmp_path).kept(KEY, make) == b"picture"
+        assert cache(tmp_path).get_or_make(KEY, make) == b"picture"
         assert entry(tmp_path).read_bytes() == whole
     assert len(made) == 5
 
 
-def test_what_goes_with_light_counts_in_the_bound(tmp_path: Path) -> None:
-    it = cache(tmp_path, limit_bytes=1000)
-    for key in (KEY, OTHER):
-        assert it.kept(key, lambda: bytes(600)) == bytes(600)
-    assert names(tmp_path) == {entry(tmp_path, OTHER).name}
+def test_accompanying_data_count_towards_the_limit(tmp_path: Path) -> None:
+    limited = cache(tmp_path, limit_bytes=1000)
+    for key in (KEY, OTHER_KEY):
+        assert limited.get_or_make(key, lambda: bytes(600)) == bytes(600)
+    assert names(tmp_path) == {entry(tmp_path, OTHER_KEY).name}
 
 
-def drawn_ahead(crossing: Crossing, monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Times that are drawn ahead, of light that is a still image."""
-    still = np.zeros((260, 346), np.float32), np.zeros((260, 346), np.int32)
+def rendered_ahead(crossing: Crossing, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Return the times that are rendered ahead, for a constant image instead of a scene."""
+    black = np.zeros((260, 346), np.float32), np.zeros((260, 346), np.int32)
 
-    def draw(_: Crossing, times_us: list[int]) -> LuminanceStream:
+    def render(_: Crossing, times_us: list[int]) -> LuminanceStream:
         for t_us in times_us:
-            yield Light(t_us, *still, changed=(0, 0, 346, 260))
+            yield LuminanceSample(t_us, *black, changed=(0, 0, 346, 260))
 
     monkeypatch.setattr(Crossing, "times_us", lambda _: [0, 1000, 2000])
-    monkeypatch.setattr(Crossing, "_light", draw)
-    return list(crossing.draw_ahead())
+    monkeypatch.setattr(Crossing, "_rendered_luminance", render)
+    return list(crossing.render_ahead())
 
 
-def test_light_is_drawn_ahead_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sequence_is_rendered_ahead_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     crossing = Crossing(CrossingConfig(), cache=cache(tmp_path))
-    assert drawn_ahead(crossing, monkeypatch) == [0, 1000, 2000]
-    assert drawn_ahead(crossing, monkeypatch) == []
+    assert rendered_ahead(crossing, monkeypatch) == [0, 1000, 2000]
+    assert rendered_ahead(crossing, monkeypatch) == []
     assert crossing.cache is not None
-    assert crossing.cache.drawn == 3
+    assert crossing.cache.rendered == 3
 
 
-def test_what_cannot_be_kept_is_not_drawn_ahead(
+def test_a_sequence_that_cannot_be_stored_is_not_rendered_ahead(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    said: list[str] = []
-    crossing = Crossing(CrossingConfig(), cache=cache(tmp_path, limit_bytes=1, warn=said.append))
-    assert drawn_ahead(crossing, monkeypatch) == []
-    assert len(said) == 1
-    assert drawn_ahead(Crossing(CrossingConfig()), monkeypatch) == []
+    warned: list[str] = []
+    limited = cache(tmp_path, limit_bytes=1, warn=warned.append)
+    assert rendered_ahead(Crossing(CrossingConfig(), cache=limited), monkeypatch) == []
+    assert len(warned) == 1
+    assert rendered_ahead(Crossing(CrossingConfig()), monkeypatch) == []

@@ -1,4 +1,4 @@
-"""What changes in codes, packed and added again."""
+"""Changes between codes, packed and added again."""
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ def changed(before: U32, change: npt.ArrayLike) -> U32:
     return before + np.asarray(change, np.int64).astype(np.uint32)
 
 
-def test_codes_come_back_and_both_sides_hold_them() -> None:
+def test_unpacking_restores_the_codes() -> None:
     writer, reader = (np.zeros((2, 5, 9), np.uint32) for _ in range(2))
     for seed in range(3):
         now = codes(seed)
@@ -27,7 +27,7 @@ def test_codes_come_back_and_both_sides_hold_them() -> None:
         assert np.array_equal(reader, now)
 
 
-def test_a_part_of_an_image_is_packed_alone() -> None:
+def test_a_rectangle_is_packed_alone() -> None:
     writer, reader, now = codes(0), codes(0), codes(1)
     rectangle = np.s_[:, 1:4, 2:7]
     add_change(reader[rectangle], *pack_change(now[rectangle], writer[rectangle]))
@@ -54,7 +54,7 @@ def test_a_part_of_an_image_is_packed_alone() -> None:
         (-(1 << 31), 4),
     ],
 )
-def test_a_change_takes_the_bytes_that_it_needs(change: int, size: int) -> None:
+def test_a_change_takes_as_few_bytes_as_possible(change: int, size: int) -> None:
     before = codes(0, (1, 1, 5))
     now = changed(before, [[[0, 0, 0, change, change]]])
     tags, data = pack_change(now, before.copy())
@@ -64,18 +64,18 @@ def test_a_change_takes_the_bytes_that_it_needs(change: int, size: int) -> None:
     assert np.array_equal(before, now)
 
 
-def test_what_does_not_belong_together_is_refused() -> None:
+def test_tags_and_bytes_that_do_not_match_are_refused() -> None:
     tags, data = pack_change(codes(1), codes(0))
     for wrong in ((tags, data[:-1]), (tags[:1], data), (np.zeros_like(tags), data)):
         untouched = codes(0)
-        with pytest.raises(ValueError, match="not the tags of so many bytes"):
+        with pytest.raises(ValueError, match="do not match"):
             add_change(untouched, *wrong)
         assert np.array_equal(untouched, codes(0))
 
 
 def test_tags_beyond_the_last_column_change_nothing_else() -> None:
     whole = codes(0)
-    part = whole[:, :, :6]  # two tags of each row's second byte are nobody's
+    part = whole[:, :, :6]  # two tags of each row's second byte are unused
     tags = np.zeros(tags_shape(part), np.uint8)
     tags[:, :, 1] = 1 << 4
     add_change(part, tags, np.ones(2 * 10, np.uint8))

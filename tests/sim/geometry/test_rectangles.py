@@ -21,7 +21,7 @@ LENS = Intrinsics()
 POSE = Pose(np.array([0.0, -7.0, 1.2]))
 
 
-def test_a_window_has_whole_pixels_and_a_margin_within_the_image() -> None:
+def test_a_rectangle_has_whole_pixels_and_a_margin_inside_the_image() -> None:
     m = MARGIN_PX
     span = rectangle_around(np.array([10.2, 20.0]), np.array([30.0, 40.7]), LENS)
     assert span == (10 - m, 20 - m, 30 + m, 41 + m)
@@ -29,13 +29,13 @@ def test_a_window_has_whole_pixels_and_a_margin_within_the_image() -> None:
     assert rectangle_around(np.array([346.0 + m, 0.0]), np.array([400.0, 9.0]), LENS) is None
 
 
-def test_points_around_the_camera_may_be_anywhere_and_those_behind_it_nowhere() -> None:
+def test_points_on_both_sides_of_the_camera_fill_the_image() -> None:
     before, behind = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, -9.0, 1.0]])
     assert points_rectangle(np.concatenate([before, behind]), POSE, LENS) == whole(LENS)
     assert points_rectangle(behind, POSE, LENS) is None
 
 
-def random_windows(count: int, seed: int) -> list[Rectangle]:
+def random_rectangles(count: int, seed: int) -> list[Rectangle]:
     random = np.random.default_rng(seed)
     low = random.integers(0, 90, (count, 2))
     high = low + random.integers(1, 12, (count, 2))
@@ -51,8 +51,8 @@ def painted(rectangles: list[Rectangle]) -> npt.NDArray[np.int64]:
 
 @pytest.mark.parametrize("count", [0, 1, 5, 20, 60])
 @pytest.mark.parametrize("seed", range(5))
-def test_merged_windows_hold_the_same_and_do_not_overlap(count: int, seed: int) -> None:
-    rectangles = random_windows(count, seed)
+def test_merged_rectangles_hold_the_same_pixels_and_do_not_overlap(count: int, seed: int) -> None:
+    rectangles = random_rectangles(count, seed)
     apart = merged(rectangles)
     assert painted(apart).max() == min(count, 1)
     assert (painted(apart) >= np.minimum(painted(rectangles), 1)).all()
@@ -60,7 +60,7 @@ def test_merged_windows_hold_the_same_and_do_not_overlap(count: int, seed: int) 
     assert hull(apart) == hull(rectangles)
 
 
-def test_windows_that_do_not_overlap_stay_as_they_are() -> None:
+def test_rectangles_that_do_not_overlap_are_unchanged() -> None:
     rectangles = [(0, 0, 5, 5), (5, 0, 9, 5), (0, 5, 9, 7)]
     for order in (rectangles, rectangles[::-1]):
         assert merged(order) == order

@@ -1,4 +1,4 @@
-"""Rigid moves against 4 × 4 matrices and the camera's own projection."""
+"""Rigid transforms against 4 × 4 matrices and the projection of the camera."""
 
 import mujoco
 import numpy as np
@@ -17,7 +17,7 @@ from sim.geometry.rigid_transform import (
 F64 = npt.NDArray[np.float64]
 
 
-def random_moves(count: int, seed: int) -> F64:
+def random_transforms(count: int, seed: int) -> F64:
     random = np.random.default_rng(seed)
     turns = np.linalg.qr(random.normal(size=(count, 3, 3)))[0]
     return np.concatenate([turns, random.normal(size=(count, 3, 1))], axis=2)
@@ -29,8 +29,8 @@ def square(moves: F64) -> F64:
     return np.concatenate([moves, last], axis=1)
 
 
-def test_one_move_after_another_is_the_product() -> None:
-    before, after = random_moves(5, 0), random_moves(5, 1)
+def test_composed_transforms_are_the_matrix_product() -> None:
+    before, after = random_transforms(5, 0), random_transforms(5, 1)
     wanted = square(after) @ square(before)
     np.testing.assert_allclose(compose_transforms(before, after), wanted[:, :3], atol=1e-12)
     np.testing.assert_allclose(
@@ -40,8 +40,8 @@ def test_one_move_after_another_is_the_product() -> None:
     )
 
 
-def test_a_move_and_its_way_back_lead_nowhere() -> None:
-    moves = random_moves(5, 2)
+def test_a_transform_and_its_inverse_cancel() -> None:
+    moves = random_transforms(5, 2)
     nowhere = np.broadcast_to(np.eye(3, 4), moves.shape)
     np.testing.assert_allclose(
         compose_transforms(moves, inverse_transform(moves)), nowhere, atol=1e-12
@@ -67,7 +67,7 @@ def test_axes_look_along_their_direction(direction: F64) -> None:
         assert axes[1, 2] < 0
 
 
-def test_into_a_frame_takes_its_place_to_the_origin() -> None:
+def test_the_transform_into_a_frame_takes_its_origin_to_zero() -> None:
     axes, place = axes_along(np.array([0.6, 0.0, -0.8])), np.array([1.0, 2.0, 3.0])
     move = world_to_frame(axes, place)
     np.testing.assert_allclose(move @ [*place, 1], 0, atol=1e-12)

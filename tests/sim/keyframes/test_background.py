@@ -1,4 +1,4 @@
-"""The street taken apart by light: its parts, put together anew, are what the renderer draws."""
+"""The background's layers, weighted and summed, equal what the renderer gives."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,7 +13,7 @@ from sim.raster.aperture import to_pixels
 from sim.raster.triangles import triangle_soup
 from sim.render.filament import FilamentRenderer
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights
-from tests.sim.flat import composed, lights
+from tests.sim.flat_background import composited, effects
 
 F32 = npt.NDArray[np.float32]
 
@@ -21,7 +21,7 @@ LENS = Intrinsics(width=64, height=48, focal_px=50.0)
 WHOLE = (0, 0, LENS.width, LENS.height)
 PART = (10, 8, 50, 40)
 POSE = Pose(np.array([0.0, -4.0, 1.2]))
-SIZE = 2
+SUPERSAMPLE = 2
 SKY, SUN, LAMP, HALF = range(4)
 MODEL = """<mujoco>
   <custom>
@@ -48,12 +48,12 @@ MODEL = """<mujoco>
     <geom type="box" size=".2 .1 .2" pos="-1.6 .5 1" material="sign"/>
   </worldbody>
 </mujoco>"""
-SHADOWING = np.array([SUN, LAMP])
-MAINS = FlickeringLamps(lights=np.array([LAMP, HALF]), materials=np.array([1]))
+SHADOW_LIGHTS = np.array([SUN, LAMP])
+FLICKERING = FlickeringLamps(lights=np.array([LAMP, HALF]), materials=np.array([1]))
 
 
 class World:
-    """A still street and its renderer."""
+    """A static scene and its renderer."""
 
     def __init__(self) -> None:
         self.model = mujoco.MjModel.from_xml_string(MODEL)
@@ -61,8 +61,8 @@ class World:
         mujoco.mj_forward(self.model, self.data)
         self.renderer = FilamentRenderer(self.model, LENS)
 
-    def street(
-        self, mains: FlickeringLamps | None, rectangle: tuple[int, int, int, int] = WHOLE
+    def background(
+        self, flickering: FlickeringLamps | None, rectangle: tuple[int, int, int, int] = WHOLE
     ) -> Background:
         soup, blur_px = triangle_soup(self.model), 0.35
         return render_background(
@@ -71,98 +71,99 @@ class World:
             self.data,
             POSE,
             soup,
-            SHADOWING,
-            mains,
+            SHADOW_LIGHTS,
+            flickering,
             rectangle,
-            SIZE,
+            SUPERSAMPLE,
             blur_px,
         )
 
-    def drawn(self) -> F32:
+    def image(self) -> F32:
         self.renderer.update(self.data)
-        return self.renderer.luminance(POSE, WHOLE, supersample=SIZE)
+        return self.renderer.luminance(POSE, WHOLE, supersample=SUPERSAMPLE)
 
 
 @pytest.fixture(scope="module")
 def world() -> Iterator[World]:
-    it = World()
-    yield it
-    it.renderer.close()
+    made = World()
+    yield made
+    made.renderer.close()
 
 
-def put_together(street: Background, gains: Sequence[float]) -> F32:
-    return np.tensordot(np.array(gains, np.float32), street.pixels, axes=1)
+def weighted_sum(background: Background, gains: Sequence[float]) -> F32:
+    return np.tensordot(np.array(gains, np.float32), background.pixels, axes=1)
 
 
-@pytest.mark.parametrize("mains", [None, MAINS])
+@pytest.mark.parametrize("flickering", [None, FLICKERING])
 @pytest.mark.parametrize("rectangle", [WHOLE, PART])
-def test_the_parts_make_the_whole(
-    world: World, mains: FlickeringLamps | None, rectangle: tuple[int, int, int, int]
+def test_the_sum_of_the_layers_is_the_image(
+    world: World, flickering: FlickeringLamps | None, rectangle: tuple[int, int, int, int]
 ) -> None:
-    street = world.street(mains, rectangle)
-    parts = 3 if mains is None else 4
-    assert street.pixels.shape == (parts, 48, 64)
-    assert street.points.shape == (96, 128, parts)
-    np.testing.assert_allclose(street.pixels.sum(axis=0), world.drawn(), rtol=1e-4)
+    background = world.background(flickering, rectangle)
+    layers = 3 if flickering is None else 4
+    assert background.pixels.shape == (layers, 48, 64)
+    assert background.subpixels.shape == (96, 128, layers)
+    np.testing.assert_allclose(background.pixels.sum(axis=0), world.image(), rtol=1e-4)
     outside = np.ones((48, 64), bool)
     x0, y0, x1, y1 = rectangle
     outside[max(y0 - 1, 0) : y1 + 1, max(x0 - 1, 0) : x1 + 1] = False
-    assert (street.pixels[1:3, outside] == 0).all()
+    assert (background.pixels[1:3, outside] == 0).all()
 
 
-@pytest.mark.parametrize(("part", "light"), [(1, SUN), (2, LAMP)])
+@pytest.mark.parametrize(("layer", "light"), [(1, SUN), (2, LAMP)])
 @pytest.mark.parametrize("gain", [0.0, 0.4, 1.5])
-def test_a_light_turned_down_is_its_part_turned_down(
-    world: World, part: int, light: int, gain: float
+def test_changing_a_light_equals_scaling_its_layer(
+    world: World, layer: int, light: int, gain: float
 ) -> None:
     gains = np.ones(3)
-    gains[part] = gain
-    street = world.street(None)
+    gains[layer] = gain
+    background = world.background(None)
     with changed_lights(world.model, {light: gain * world.model.light_intensity[light]}):
-        wanted = world.drawn()
-    np.testing.assert_allclose(put_together(street, list(gains)), wanted, rtol=2e-3)
-    assert street.pixels[part].max() > 10
-    assert street.pixels[part].min() < 1e-3 * street.pixels[part].max()  # its shadow
+        wanted = world.image()
+    np.testing.assert_allclose(weighted_sum(background, list(gains)), wanted, rtol=2e-3)
+    lit = background.pixels[layer]
+    assert lit.max() > 10
+    assert lit.min() < 1e-3 * lit.max()  # in its shadow
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 1.5])
 @pytest.mark.parametrize("rectangle", [WHOLE, PART])
-def test_mains_swing_as_drawn(
+def test_flicker_equals_scaling_the_layers_of_flickering_lamps(
     world: World, factor: float, rectangle: tuple[int, int, int, int]
 ) -> None:
-    """The lamp that is on the mains and casts shadows is a part of its own within the rectangle."""
-    street = world.street(MAINS, rectangle)
-    with MAINS.scaled(world.model, factor):
-        wanted = world.drawn()
-    image = put_together(street, [1.0, 1.0, factor, factor])
+    """Within the rectangle, the flickering lamp that casts shadows has a separate layer."""
+    background = world.background(FLICKERING, rectangle)
+    with FLICKERING.scaled(world.model, factor):
+        wanted = world.image()
+    image = weighted_sum(background, [1.0, 1.0, factor, factor])
     np.testing.assert_allclose(image, wanted, rtol=2e-3)
-    assert np.abs(image - put_together(street, [1.0] * 4)).max() > 0.2 * wanted.max()
+    assert np.abs(image - weighted_sum(background, [1.0] * 4)).max() > 0.2 * wanted.max()
 
 
-def test_the_model_is_put_back(world: World) -> None:
+def test_the_model_is_restored(world: World) -> None:
     before = world.model.light_intensity.copy(), world.model.mat_emission.copy()
-    world.street(MAINS)
+    world.background(FLICKERING)
     np.testing.assert_array_equal(world.model.light_intensity, before[0])
     np.testing.assert_array_equal(world.model.mat_emission, before[1])
 
 
-def test_albedo_is_luminance_a_lux(world: World) -> None:
-    albedo = to_pixels(world.street(None, PART).albedo_points, SIZE)
+def test_albedo_is_luminance_per_lux(world: World) -> None:
+    albedo = to_pixels(world.background(None, PART).subpixel_albedo, SUPERSAMPLE)
     assert albedo[37, 30] == pytest.approx(0.5 / np.pi, rel=0.05)
-    assert albedo[26, 41] == pytest.approx(0.1 / np.pi, rel=0.25)  # glass, without its own light
+    assert albedo[26, 41] == pytest.approx(0.1 / np.pi, rel=0.25)  # glass, without its emission
     assert (albedo[:6] == 0).all()
 
 
-def test_shape_is_that_of_the_ground(world: World) -> None:
+def test_geometry_is_that_of_the_ground(world: World) -> None:
     """Below the horizon at row 24, the ground is height · focal / (row - 24) away."""
-    street = world.street(None)
-    np.testing.assert_allclose(street.depth[44], 1.2 * 50 / 20.5, rtol=1e-5)
-    np.testing.assert_allclose(street.nearness[89], 20.75 / (1.2 * 50), rtol=1e-5)
-    np.testing.assert_allclose(street.normals[44], np.tile([0, -1, 0], (64, 1)), atol=1e-6)
-    assert (street.depth[2, 60:] > 1e5).all()
-    assert (street.normals[2, 60:] == 0).all()
+    background = world.background(None)
+    np.testing.assert_allclose(background.depth[44], 1.2 * 50 / 20.5, rtol=1e-5)
+    np.testing.assert_allclose(background.subpixel_nearness[89], 20.75 / (1.2 * 50), rtol=1e-5)
+    np.testing.assert_allclose(background.normals[44], np.tile([0, -1, 0], (64, 1)), atol=1e-6)
+    assert (background.depth[2, 60:] > 1e5).all()
+    assert (background.normals[2, 60:] == 0).all()
 
 
-def test_composed_without_movers_it_is_the_street_drawn(world: World) -> None:
-    image = composed(world.street(MAINS), lights(1.0, 1.0, 1.0, 1.0), lens=LENS)
-    np.testing.assert_allclose(image, world.drawn(), rtol=1e-4)
+def test_without_movers_compositing_gives_the_rendered_image(world: World) -> None:
+    image = composited(world.background(FLICKERING), effects(1.0, 1.0, 1.0, 1.0), lens=LENS)
+    np.testing.assert_allclose(image, world.image(), rtol=1e-4)

@@ -1,4 +1,4 @@
-"""A lens at rest that sees all that the shaking camera sees."""
+"""The lens of the steady camera sees everything that the shaking camera sees."""
 
 import numpy as np
 import pytest
@@ -11,20 +11,20 @@ LENS = Intrinsics(width=80, height=60, focal_px=70.0)
 TIMES_S = [float(t) for t in np.linspace(-1, 1, 40)]
 
 
-def test_a_camera_at_rest_keeps_its_lens() -> None:
+def test_without_shake_the_lens_is_unchanged() -> None:
     assert steady_lens(build_scene(CrossingConfig()), LENS, TIMES_S) is LENS
 
 
 @pytest.mark.parametrize("rms_deg", [0.1, 1.0])
-def test_what_the_shaken_image_shows_the_lens_at_rest_sees_finer(rms_deg: float) -> None:
+def test_the_border_of_every_shaken_image_is_inside_the_steady_image(rms_deg: float) -> None:
     scene = build_scene(CrossingConfig(distractors=Distractors(shake_rms_deg=rms_deg)))
     wide = steady_lens(scene, LENS, TIMES_S)
     assert wide.focal_px == SHAKE_SCALE * LENS.focal_px
-    rim = [(x, y) for x in (0, 40, 80) for y in (0, 30, 60) if (x, y) != (40, 30)]
+    border = [(x, y) for x in (0, 40, 80) for y in (0, 30, 60) if (x, y) != (40, 30)]
     for t_s in TIMES_S:
-        turn = scene.pose.into[:, :3] @ scene.pose_at(t_s).into[:, :3].T
-        for x, y in rim:
-            seen = turn @ [(x - 40) / LENS.focal_px, (y - 30) / LENS.focal_px, 1]
-            column, row = wide.focal_px * seen[:2] / seen[2] + [wide.width / 2, wide.height / 2]
+        rotation = scene.pose.into[:, :3] @ scene.pose_at(t_s).into[:, :3].T
+        for x, y in border:
+            ray = rotation @ [(x - 40) / LENS.focal_px, (y - 30) / LENS.focal_px, 1]
+            column, row = wide.focal_px * ray[:2] / ray[2] + [wide.width / 2, wide.height / 2]
             assert 0 <= column <= wide.width
             assert 0 <= row <= wide.height

@@ -8,7 +8,7 @@ def drawn(seed: int = 0, *, rms: float = 0.3, corner_hz: float = 4.0) -> BandLim
     return band_limited_noise(np.random.default_rng(seed), rms=rms, corner_hz=corner_hz)
 
 
-def test_its_root_mean_square_over_a_long_time_is_the_one_asked_for() -> None:
+def test_its_root_mean_square_is_the_configured_one() -> None:
     it = drawn()
     values = np.array([it.value(t_s) for t_s in np.arange(0, 200, 0.011)])
     assert it.rms == pytest.approx(0.3)

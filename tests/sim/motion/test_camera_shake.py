@@ -47,7 +47,7 @@ def test_roll_turns_the_image_about_its_middle() -> None:
     assert math.acos(turned.right @ REST.right) == pytest.approx(0.01)
 
 
-def test_it_has_the_deviation_asked_for_about_each_axis() -> None:
+def test_the_shake_has_the_configured_deviation_about_each_axis() -> None:
     shake = camera_shake(0.2, 4.0, seed=3)
     angles = np.array([shake.rotation_rad(t_s) for t_s in np.arange(0, 150, 0.013)])
     assert np.degrees(np.sqrt((angles**2).mean(axis=0))) == pytest.approx([0.2] * 3, rel=0.03)
@@ -71,7 +71,7 @@ def test_no_direction_turns_faster_than_the_bound() -> None:
         )
 
 
-def test_a_scene_shakes_only_where_asked() -> None:
+def test_a_scene_shakes_only_if_configured() -> None:
     rest = build_scene(CrossingConfig())
     assert rest.pose_at(0.3) is rest.pose
     shaken = build_scene(CrossingConfig(distractors=Distractors(shake_rms_deg=0.2)))

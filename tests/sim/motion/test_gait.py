@@ -8,15 +8,15 @@ from sim import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection
 from sim.motion.gait import Gait
 from sim.scene.facades import PAVEMENT_M
-from sim.scene.moving_objects import PEDESTRIAN, MovingObject
+from sim.scene.moving_objects import MovingObject
 from sim.scene.scene import Scene, build_scene
-from tests.sim.worlds import world_points
+from tests.sim.world_triangles import world_points
 
 
 def walk(speed_m_s: float = 1.4) -> tuple[Scene, MovingObject, mujoco.MjData]:
     extra = Distractors(pedestrian=RelativeDirection.SAME, pedestrian_speed_m_s=speed_m_s)
     scene = build_scene(CrossingConfig(distractors=extra))
-    item = next(item for item in scene.objects if item.kind == PEDESTRIAN)
+    item = next(item for item in scene.objects if item.kind == "pedestrian")
     return scene, item, mujoco.MjData(scene.model)
 
 
@@ -72,7 +72,9 @@ def test_the_foot_in_front_stands_on_the_pavement_and_none_digs_in() -> None:
 
 
 @pytest.mark.parametrize("speed_m_s", [0.3, 1.4, 2.5])
-def test_the_box_holds_the_walker_and_no_point_is_faster_than_the_bound(speed_m_s: float) -> None:
+def test_the_box_holds_the_pedestrian_and_no_point_exceeds_the_bound(
+    speed_m_s: float,
+) -> None:
     scene, item, data = walk(speed_m_s)
     motion = scene.motions[scene.objects.index(item)]
     step_s = 1e-4

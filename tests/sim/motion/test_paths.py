@@ -9,7 +9,7 @@ from sim import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection, VehicleKind
 from sim.motion.paths import Rolling, UniformPath
 from sim.scene.scene import Scene, build_scene
-from tests.sim.worlds import world_points
+from tests.sim.world_triangles import world_points
 
 RADIUS_M = {"sedan": 0.32, "van": 0.34, "motorcycle": 0.31}
 
@@ -21,7 +21,7 @@ def scene_with(kind: str, direction: str = "right") -> Scene:
 @pytest.mark.parametrize("direction", ["right", "left"])
 @pytest.mark.parametrize("kind", list(VehicleKind))
 def test_wheels_turn_as_far_as_they_roll(kind: str, direction: str) -> None:
-    """Seen by the point of a wheel that touches the road: it stands still."""
+    """The point of a wheel that touches the road does not move."""
     scene = scene_with(kind, direction)
     motion, data, step_s = scene.motions[0], mujoco.MjData(scene.model), 1e-6
     assert isinstance(motion, Rolling)
@@ -40,7 +40,7 @@ def test_wheels_turn_as_far_as_they_roll(kind: str, direction: str) -> None:
 
 
 @pytest.mark.parametrize("kind", list(VehicleKind))
-def test_nothing_that_bears_a_mark_outruns_the_bound(kind: str) -> None:
+def test_no_visible_mark_moves_faster_than_the_bound(kind: str) -> None:
     scene = scene_with(kind)
     model, motion, data = scene.model, scene.motions[0], mujoco.MjData(scene.model)
     bars = model.geom_type[scene.target.geoms] == mujoco.mjtGeom.mjGEOM_BOX
@@ -58,7 +58,7 @@ def test_nothing_that_bears_a_mark_outruns_the_bound(kind: str) -> None:
     ("way", "sign"), [(RelativeDirection.SAME, 1), (RelativeDirection.OPPOSITE, -1)]
 )
 @pytest.mark.parametrize("direction", ["right", "left"])
-def test_the_far_vehicle_goes_its_way_at_its_speed(
+def test_the_far_vehicle_has_its_direction_and_speed(
     direction: str, way: RelativeDirection, sign: int
 ) -> None:
     extra = Distractors(far_vehicle=way, far_vehicle_speed_m_s=12.0, far_vehicle_lag_s=0.3)

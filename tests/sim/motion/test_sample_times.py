@@ -21,7 +21,7 @@ def test_no_step_moves_farther_or_lasts_longer_than_allowed(
     assert steps.max() * 1e-6 * speed <= step_px + 1e-9
 
 
-def test_an_empty_road_costs_little_and_what_enters_it_is_not_missed() -> None:
+def test_an_empty_road_has_few_samples_and_an_entering_object_is_not_missed() -> None:
     def speed(t_us: int) -> float:
         return 500.0 if 52_000 <= t_us < 62_000 else 0.0
 

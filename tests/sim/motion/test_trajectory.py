@@ -39,7 +39,7 @@ def test_omega_is_that_of_closest_approach(omega: float, distance: float, profil
     assert Trajectory(omega, distance, profile).angular_velocity_rad_s(0) == pytest.approx(omega)
 
 
-def test_constant_omega_holds_it_and_constant_speed_does_not() -> None:
+def test_only_constant_omega_keeps_the_angular_velocity() -> None:
     held = Trajectory(1.61, 6.89, Profile.CONSTANT_OMEGA)
     free = Trajectory(1.61, 6.89)
     assert held.angular_velocity_rad_s(0.3) == pytest.approx(1.61)

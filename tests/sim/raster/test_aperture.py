@@ -1,4 +1,4 @@
-"""From fine points to pixels: even light and ramps exactly, edges as behind a blurred aperture."""
+"""From sub-pixels to pixels: even images and ramps are exact, edges get the blurred aperture."""
 
 import math
 
@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sim.raster.aperture import (
+    BLUR_REACH_PX,
     LENS_BLUR_PX,
-    REACH_PX,
     aperture_weights,
     blur_before_interpolation_px,
-    on_grid,
+    to_grid,
     to_pixels,
 )
 
@@ -19,7 +19,7 @@ GRIDS = [(size, per) for size in range(1, 9) for per in range(1, size + 1) if si
 
 @pytest.mark.parametrize("blur_px", [0.0, LENS_BLUR_PX, 0.5])
 @pytest.mark.parametrize("supersample", range(1, 9))
-def test_weights_sum_to_one_and_favour_no_side(supersample: int, blur_px: float) -> None:
+def test_weights_sum_to_one_and_are_symmetric(supersample: int, blur_px: float) -> None:
     weights = aperture_weights(supersample, blur_px)
     assert weights.shape == (3 * supersample,)
     assert weights.dtype == np.float32
@@ -34,13 +34,13 @@ def test_without_blur_a_pixel_is_the_mean_over_its_area() -> None:
 
 
 @pytest.mark.parametrize(("supersample", "per_pixel"), GRIDS)
-def test_a_ramp_comes_back_at_the_grid_points_places(supersample: int, per_pixel: int) -> None:
+def test_a_ramp_is_reproduced_at_the_grid_points(supersample: int, per_pixel: int) -> None:
     side = 8
     fine = (np.arange(side * supersample) + 0.5) / supersample
     wanted = (np.arange(side * per_pixel) + 0.5) / per_pixel
     image = np.add.outer(2 * fine, 5 * fine).astype(np.float32)
-    inner = slice((REACH_PX + 1) * per_pixel, -(REACH_PX + 1) * per_pixel)
-    seen = on_grid(image, supersample, per_pixel=per_pixel)
+    inner = slice((BLUR_REACH_PX + 1) * per_pixel, -(BLUR_REACH_PX + 1) * per_pixel)
+    seen = to_grid(image, supersample, per_pixel=per_pixel)
     assert seen.shape == (side * per_pixel,) * 2
     np.testing.assert_allclose(
         seen[inner, inner], np.add.outer(2 * wanted, 5 * wanted)[inner, inner], atol=2e-5
@@ -48,16 +48,18 @@ def test_a_ramp_comes_back_at_the_grid_points_places(supersample: int, per_pixel
 
 
 @pytest.mark.parametrize(("supersample", "per_pixel"), GRIDS)
-def test_even_light_stays_even_up_to_the_border(supersample: int, per_pixel: int) -> None:
+def test_an_even_image_stays_even_up_to_the_border(supersample: int, per_pixel: int) -> None:
     even = np.full((3 * supersample, 4 * supersample), 7, np.float32)
-    seen = on_grid(even, supersample, per_pixel=per_pixel)
+    seen = to_grid(even, supersample, per_pixel=per_pixel)
     np.testing.assert_allclose(seen, 7, rtol=1e-6)
 
 
 @pytest.mark.parametrize("edge_px", [3.0, 3.25, 3.5, 3.875])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_an_edge_looks_as_behind_a_gaussian_and_a_square(axis: int, edge_px: float) -> None:
-    """The mean of Φ((x - edge) / σ) over a pixel, in closed form."""
+def test_an_edge_is_blurred_by_the_lens_and_averaged_over_the_pixel(
+    axis: int, edge_px: float
+) -> None:
+    """The closed form is the mean of Φ((x - edge) / σ) over a pixel."""
     supersample, side = 16, 7
     bright = (np.arange(side * supersample) + 0.5) / supersample > edge_px
     image = np.broadcast_to(bright.astype(np.float32), (side * supersample,) * 2)
@@ -74,23 +76,22 @@ def _phi(t: float) -> float:
 
 
 @pytest.mark.parametrize("per_pixel", [3, 4, 6])
-def test_a_lesser_blur_and_interpolation_together_are_the_lens(per_pixel: int) -> None:
+def test_the_reduced_blur_and_interpolation_add_up_to_the_lens_blur(per_pixel: int) -> None:
     fine = 24
     line = np.zeros((5 * fine, 7 * fine), np.float32)
     line[:, 3 * fine + fine // 2] = 1.0
     blur_px = blur_before_interpolation_px(per_pixel)
-    grid = on_grid(line, fine, per_pixel=per_pixel, blur_px=blur_px)[2 * per_pixel].astype(float)
-    place = np.linspace(0.5, 6.5, 1000)
-    points = (np.arange(len(grid)) + 0.5) / per_pixel
-    between = np.interp(place, points, grid)
-    middle = (between * place).sum() / between.sum()
-    variance = (between * (place - middle) ** 2).sum() / between.sum()
-    whole = to_pixels_variance(fine)
-    assert variance == pytest.approx(whole, rel=0.03)
+    grid = to_grid(line, fine, per_pixel=per_pixel, blur_px=blur_px)[2 * per_pixel].astype(float)
+    x = np.linspace(0.5, 6.5, 1000)
+    grid_points = (np.arange(len(grid)) + 0.5) / per_pixel
+    interpolated = np.interp(x, grid_points, grid)
+    centre = (interpolated * x).sum() / interpolated.sum()
+    variance = (interpolated * (x - centre) ** 2).sum() / interpolated.sum()
+    assert variance == pytest.approx(aperture_variance(fine), rel=0.03)
 
 
-def to_pixels_variance(size: int) -> float:
-    """Of a pixel's aperture: its width and the lens, cut off."""
-    weights = aperture_weights(size).astype(float)
-    place = (np.arange(len(weights)) + 0.5) / size - 1.5
-    return float((weights * place**2).sum())
+def aperture_variance(supersample: int) -> float:
+    """Return the variance of a pixel's aperture [px²]."""
+    weights = aperture_weights(supersample).astype(float)
+    x = (np.arange(len(weights)) + 0.5) / supersample - 1.5
+    return float((weights * x**2).sum())

@@ -1,4 +1,4 @@
-"""The model's triangles against the renderer's own picture of them, and against closed forms."""
+"""A model's triangles, compared with the renderer's segmentation and with closed forms."""
 
 from collections import Counter
 
@@ -10,7 +10,7 @@ from sim import CrossingConfig
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rigid_transform import body_poses, compose_transforms
-from sim.keyframes.background import draw_triangles
+from sim.keyframes.background import rasterise_image
 from sim.raster.triangles import triangle_soup, unit_normals
 from sim.render.filament import FilamentRenderer
 from sim.render.luminance_model import luminance_model
@@ -36,22 +36,20 @@ POSE = Pose(np.array([0.0, -3.0, 1.0]))
 
 
 def differing(model: mujoco.MjModel, data: mujoco.MjData, pose: Pose, lens: Intrinsics) -> float:
-    """Share of the image's points that show another geom than the renderer's picture does."""
+    """Return the share of pixels that show another geom than the renderer's segmentation."""
     with FilamentRenderer(luminance_model(model), lens) as renderer:
         renderer.update(data)
         reference = renderer.segmentation(pose, (0, 0, lens.width, lens.height))
     soup = triangle_soup(model)
-    seen = soup.moved(compose_transforms(body_poses(data), pose.into))
-    _, triangle = draw_triangles(seen, lens, 1)
+    triangles = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    _, triangle = rasterise_image(triangles, lens, 1)
     geom = np.append(soup.geom, -1)[triangle]
     assert len(np.unique(reference)) > 7
     return float((geom != reference).mean())
 
 
 @pytest.mark.parametrize(("slices", "stacks"), [(8, 3), (6, 10), (28, 16)])
-def test_shapes_are_drawn_facet_for_facet_as_the_renderer_draws_them(
-    slices: int, stacks: int
-) -> None:
+def test_shapes_have_exactly_the_renderers_facets(slices: int, stacks: int) -> None:
     model = mujoco.MjModel.from_xml_string(SHAPES.format(slices=slices, stacks=stacks))
     data = mujoco.MjData(model)
     data.qpos[:] = [0.2, -0.3]
@@ -59,7 +57,7 @@ def test_shapes_are_drawn_facet_for_facet_as_the_renderer_draws_them(
     assert differing(model, data, POSE, Intrinsics(120, 80, 100.0).scaled(3)) < 0.0005
 
 
-def test_the_street_is_drawn_as_the_renderer_draws_it() -> None:
+def test_the_street_has_the_renderers_silhouettes() -> None:
     scene = build_scene(CrossingConfig())
     data = mujoco.MjData(scene.model)
     scene.place(data, 0.1)
@@ -67,29 +65,29 @@ def test_the_street_is_drawn_as_the_renderer_draws_it() -> None:
     assert differing(scene.model, data, scene.pose, lens) < 0.0005
 
 
-def test_what_is_invisible_is_left_out() -> None:
+def test_invisible_geoms_have_no_triangles() -> None:
     model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
       <geom type="box" size="1 1 1" rgba="1 1 1 0"/><geom type="box" size="1 1 1"/>
     </worldbody></mujoco>""")
     assert set(triangle_soup(model).geom) == {1}
 
 
-def test_bodies_fixed_to_the_world_are_the_worlds() -> None:
+def test_bodies_fixed_to_the_world_belong_to_body_0() -> None:
     model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
       <body pos="1 0 0"><body pos="0 2 0"><geom type="box" size=".1 .1 .1"/></body></body>
       <body pos="5 0 0"><joint/><body pos="0 1 0"><geom type="box" size=".1 .1 .1"/></body></body>
     </worldbody></mujoco>""")
     soup = triangle_soup(model)
     np.testing.assert_array_equal(np.unique(soup.body), [0, 3])
-    middles = [soup.triangles_m[soup.geom == k].mean(axis=(0, 1)) for k in (0, 1)]
-    np.testing.assert_allclose(middles, [[1, 2, 0], [0, 1, 0]], atol=1e-12)
+    centres = [soup.triangles_m[soup.geom == k].mean(axis=(0, 1)) for k in (0, 1)]
+    np.testing.assert_allclose(centres, [[1, 2, 0], [0, 1, 0]], atol=1e-12)
     assert set(soup.of_bodies([3]).geom) == {1}
     assert set(soup.without_bodies([3]).geom) == {0}
 
 
 @pytest.mark.parametrize("kind", ["box", "sphere", "capsule", "ellipsoid", "cylinder"])
 def test_shapes_are_closed_and_face_outwards(kind: str) -> None:
-    """Each edge is run through as often one way as the other."""
+    """Each edge is traversed equally often in both directions."""
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><worldbody><geom type="{kind}" size=".5 .4 .3"/></worldbody></mujoco>'
     )
@@ -107,10 +105,10 @@ def test_a_triangle_without_area_has_no_normal() -> None:
     np.testing.assert_array_equal(unit_normals(np.zeros((1, 3, 3))), [[0, 0, 0]])
 
 
-def test_a_shape_without_triangles_is_refused() -> None:
+def test_a_geom_that_cannot_be_converted_is_refused() -> None:
     model = mujoco.MjModel.from_xml_string("""<mujoco>
       <asset><hfield name="hills" nrow="2" ncol="2" size="1 1 1 1" elevation="0 1 1 0"/></asset>
       <worldbody><geom type="hfield" hfield="hills"/></worldbody>
     </mujoco>""")
-    with pytest.raises(SceneConfigError, match=r"geom 0 is of type mjGEOM_HFIELD.*mjGEOM_MESH"):
+    with pytest.raises(SceneConfigError, match=r"geom 0 has the type mjGEOM_HFIELD.*mjGEOM_MESH"):
         triangle_soup(model)

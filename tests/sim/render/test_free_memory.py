@@ -1,4 +1,4 @@
-"""How much memory a sequence takes, in a process of its own: no more, however long it is."""
+"""Peak memory of a sequence, measured in a separate process; it does not grow with length."""
 
 import ctypes
 import platform
@@ -11,57 +11,58 @@ import pytest
 from sim.render.free_memory import return_free_memory, return_large_blocks
 
 LIMIT_MB = 1_000
-"""Promised: a sequence of any length in under 1 GB."""
+"""Required limit: a sequence of any length takes less than 1 GB."""
 SAMPLE_MB = 0.8
-"""A sample's light and bodies: what would stay behind of each if it were held."""
+"""Size of a sample's luminance and body labels, which would add up if samples were kept."""
 MEASURE = """
 import re
 from pathlib import Path
 from sim import Crossing, CrossingConfig
 
-def peak_mb():  # of this program: getrusage counts that of its parent before it began
+def peak_mb():  # getrusage would include the memory of the parent process
     status = Path("/proc/self/status").read_text()
     return int(re.search(r"VmHWM:\\s+(\\d+)", status)[1]) / 1e3
 
 crossing = Crossing(CrossingConfig(lighting="night", lead_s=2.0, step_px=8.0, max_step_ms=4.0))
-taken = []
+peaks_mb = []
 for sample in crossing.samples():
-    taken.append(peak_mb())
-left = sum(us < 1.5e6 for us in crossing.times_us())
-print(left, len(taken), taken[left - 1] - taken[50], taken[-1])
+    peaks_mb.append(peak_mb())
+before_entry = sum(us < 1.5e6 for us in crossing.times_us())
+growth_mb = peaks_mb[before_entry - 1] - peaks_mb[50]
+print(before_entry, len(peaks_mb), growth_mb, peaks_mb[-1])
 """
 
 
 def measured() -> list[float]:
-    """Samples until 0.5 s before the vehicle enters, and all; growth until then, and peak [MB]."""
+    """Samples until 0.5 s before the vehicle enters, all samples, growth until then, peak [MB]."""
     command = [sys.executable, "-c", MEASURE]
     answer = subprocess.run(command, capture_output=True, text=True, check=True)
     return [float(word) for word in answer.stdout.split()]
 
 
-def test_frames_stream_and_the_whole_takes_less_than_a_gigabyte() -> None:
-    early, count, grown_mb, peak_mb = measured()
-    assert early > 300
-    assert count > 2 * early
-    assert grown_mb < 0.1 * SAMPLE_MB * early
-    if peak_mb >= LIMIT_MB:  # where it was the first to call kernels, it compiled them
+def test_a_sequence_is_streamed_and_takes_less_than_a_gigabyte() -> None:
+    before_entry, count, growth_mb, peak_mb = measured()
+    assert before_entry > 300
+    assert count > 2 * before_entry
+    assert growth_mb < 0.1 * SAMPLE_MB * before_entry
+    if peak_mb >= LIMIT_MB:  # the first process may have had to compile kernels
         *_, peak_mb = measured()
     assert peak_mb < LIMIT_MB
 
 
-def test_the_c_library_takes_what_it_is_told() -> None:
+def test_glibc_accepts_the_thresholds() -> None:
     assert return_large_blocks() == (platform.libc_ver()[0] == "glibc")
 
 
-def test_the_c_library_is_asked_for_all_that_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-    library = SimpleNamespace(malloc_trim=asked.append)
+def test_all_free_memory_is_requested_from_glibc(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept_bytes: list[int] = []
+    library = SimpleNamespace(malloc_trim=kept_bytes.append)
     monkeypatch.setattr(ctypes, "CDLL", lambda _: library)
     return_free_memory()
-    assert asked == [0]
+    assert kept_bytes == [0]
 
 
-def test_a_c_library_that_cannot_is_borne(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_c_library_is_left_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ctypes, "CDLL", lambda _: object())
     return_free_memory()
     assert not return_large_blocks()

@@ -1,4 +1,4 @@
-"""Greys of the same luminance, for all colours that a model has."""
+"""Conversion of all colours of a model to greys of the same luminance."""
 
 import mujoco
 import numpy as np
@@ -25,32 +25,32 @@ def model_of(text: str = "", texture: str = "") -> mujoco.MjModel:
     </mujoco>""")
 
 
-def coded_grey() -> float:
+def srgb_grey() -> float:
     return float(srgb.encoded(srgb.decoded(RGB) @ LUMINANCE_OF_RGB))
 
 
-def test_materials_and_geoms_are_taken_as_srgb() -> None:
+def test_colours_of_materials_and_geoms_are_srgb_by_default() -> None:
     grey = luminance_model(model_of())
     for rgba in (grey.mat_rgba[0], grey.geom_rgba[0]):
-        assert rgba == pytest.approx([*[coded_grey()] * 3, 0.3], abs=1e-6)
+        assert rgba == pytest.approx([*[srgb_grey()] * 3, 0.3], abs=1e-6)
 
 
-def test_a_model_may_say_that_its_colours_are_linear() -> None:
-    said = '<custom><text name="filament.material.base_color_type" data="linear"/></custom>'
-    grey = luminance_model(model_of(said))
+def test_a_model_may_declare_its_colours_linear() -> None:
+    linear = '<custom><text name="filament.material.base_color_type" data="linear"/></custom>'
+    grey = luminance_model(model_of(linear))
     assert grey.mat_rgba[0, :3] == pytest.approx([float(RGB @ LUMINANCE_OF_RGB)] * 3, abs=1e-6)
 
 
 @pytest.mark.parametrize(
-    ("space", "wanted"), [("linear", float(RGB @ LUMINANCE_OF_RGB)), ("sRGB", coded_grey())]
+    ("space", "expected"), [("linear", float(RGB @ LUMINANCE_OF_RGB)), ("sRGB", srgb_grey())]
 )
-def test_a_texture_is_taken_as_its_colour_space_says(space: str, wanted: float) -> None:
+def test_a_texture_is_read_in_its_colour_space(space: str, expected: float) -> None:
     grey = luminance_model(model_of(texture=f'colorspace="{space}"'))
-    assert grey.tex_data == pytest.approx(255 * wanted, abs=1.5)
+    assert grey.tex_data == pytest.approx(255 * expected, abs=1.5)
     assert len(np.unique(grey.tex_data)) == 1
 
 
-def test_lights_are_linear_and_the_model_given_stays_as_it_is() -> None:
+def test_lights_are_linear_and_the_original_model_is_not_changed() -> None:
     model = model_of()
     grey = luminance_model(model)
     assert grey.light_diffuse[0] == pytest.approx([float(RGB @ LUMINANCE_OF_RGB)] * 3, abs=1e-6)

@@ -1,4 +1,4 @@
-"""Cameras of MuJoCo models as pinholes."""
+"""Intrinsics of the cameras of MuJoCo models."""
 
 import math
 
@@ -6,17 +6,17 @@ import mujoco
 import pytest
 
 from sim.errors import SceneConfigError
-from sim.render.model_camera import camera_intrinsics, camera_number
+from sim.render.model_camera import camera_id, camera_intrinsics
 
 
-def of_cameras(more: str = "") -> mujoco.MjModel:
+def model_with_cameras(more: str = "") -> mujoco.MjModel:
     cameras = f'<camera name="down" fovy="40"/><camera name="side"/>{more}'
     return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{cameras}</worldbody></mujoco>")
 
 
-def test_focal_length_by_fovy_and_by_focal_and_sensorsize() -> None:
+def test_the_focal_length_comes_from_fovy_or_from_focal_and_sensorsize() -> None:
     lens = 'sensorsize="6.401e-3 4.81e-3" focal="6e-3 6e-3" resolution="346 260"'
-    model = of_cameras(f'<camera name="lens" {lens}/>')
+    model = model_with_cameras(f'<camera name="lens" {lens}/>')
     by_angle = camera_intrinsics(model, "down", width=100, height=80)
     assert by_angle.focal_px == pytest.approx(40 / math.tan(math.radians(20)))
     by_lens = camera_intrinsics(model, "lens")
@@ -30,27 +30,29 @@ def test_focal_length_by_fovy_and_by_focal_and_sensorsize() -> None:
 @pytest.mark.parametrize(
     ("attributes", "message"),
     [
-        ('fovy="45"', "is 1 by 1 px; allowed is 2 and more; give width= and height="),
-        ('resolution="64 48" projection="orthographic"', "orthographic; allowed is a perspective"),
+        ('fovy="45"', "is 1 by 1 px. Allowed is 2 px or more. Pass width= and height="),
+        ('resolution="64 48" projection="orthographic"', "orthographic. Allowed is a perspective"),
         (
             'resolution="64 48" sensorsize="6e-3 6e-3" focal="6e-3 6e-3"',
-            "64.00 pixels across and 48.00 down; allowed are square pixels",
+            "64.00 px across and 48.00 px down. Allowed are square pixels",
         ),
         (
             'resolution="64 48" sensorsize="8e-3 6e-3" focal="6e-3 6e-3" principal="1e-3 0"',
-            "off the sensor's middle",
+            "off the middle of the sensor",
         ),
     ],
 )
-def test_cameras_that_are_no_pinhole_are_refused(attributes: str, message: str) -> None:
-    model = of_cameras(f'<camera name="odd" {attributes}/>')
+def test_cameras_that_are_no_central_pinholes_are_refused(attributes: str, message: str) -> None:
+    model = model_with_cameras(f'<camera name="odd" {attributes}/>')
     with pytest.raises(SceneConfigError, match=message):
         camera_intrinsics(model, "odd")
 
 
-def test_a_camera_that_is_not_there_is_answered_with_those_that_are() -> None:
-    with pytest.raises(SceneConfigError, match="no camera 'eye'; allowed is one of 'down', 'side'"):
-        camera_number(of_cameras(), "eye")
+def test_the_error_for_a_missing_camera_lists_the_existing_cameras() -> None:
+    with pytest.raises(
+        SceneConfigError, match=r"no camera 'eye'\. Allowed is one of 'down', 'side'"
+    ):
+        camera_id(model_with_cameras(), "eye")
     bare = mujoco.MjModel.from_xml_string("<mujoco/>")
-    with pytest.raises(SceneConfigError, match="it has none with a name"):
-        camera_number(bare, "eye")
+    with pytest.raises(SceneConfigError, match="None of its cameras has a name"):
+        camera_id(bare, "eye")

@@ -6,14 +6,14 @@ import pytest
 from sim import CrossingConfig, Lighting
 from sim.errors import SceneConfigError
 from sim.scene import lighting as light
-from sim.scene.scene import compose
+from sim.scene.scene import build_spec
 
 
 @pytest.mark.parametrize(
     ("azimuth_deg", "elevation_deg", "expected"),
     [(0, 0, [0, 1, 0]), (90, 0, [1, 0, 0]), (-90, 45, [-1, 0, 1]), (180, 0, [0, -1, 0])],
 )
-def test_the_sun_stands_where_its_angles_say(
+def test_the_sun_direction_follows_its_angles(
     azimuth_deg: float, elevation_deg: float, expected: list[float]
 ) -> None:
     sun = light.sun_direction(azimuth_deg, elevation_deg)
@@ -47,7 +47,7 @@ def test_a_lamp_that_lights_the_origin_with_its_rim_is_refused() -> None:
 
 
 @pytest.mark.parametrize("rate_hz", [100, 120])
-def test_flicker_keeps_the_mean_and_has_the_depth_asked_for(rate_hz: int) -> None:
+def test_flicker_keeps_the_mean_and_has_the_configured_depth(rate_hz: int) -> None:
     flicker = light.Flicker(rate_hz, 0.3)
     times_s = np.arange(0, 1, 1e-4) + 0.37
     factors = np.array([flicker.factor(t_s) for t_s in times_s])
@@ -59,8 +59,8 @@ def test_flicker_keeps_the_mean_and_has_the_depth_asked_for(rate_hz: int) -> Non
 
 
 @pytest.mark.parametrize(("lux", "sky_lux"), [(300.0, 290.0), (50.0, 40.0), (8.0, 4.0)])
-def test_at_dusk_the_lamps_add_their_own_to_the_sky(lux: float, sky_lux: float) -> None:
-    model = compose(CrossingConfig(lighting=Lighting.DUSK, illuminance_lux=lux)).compile()
+def test_at_dusk_lamps_and_sky_add_up_to_the_illuminance(lux: float, sky_lux: float) -> None:
+    model = build_spec(CrossingConfig(lighting=Lighting.DUSK, illuminance_lux=lux)).compile()
     sky_cd_m2 = float(model.light_intensity[model.light("sky").id])
     assert sky_cd_m2 * math.pi == pytest.approx(sky_lux)
     lamps = [k for k in range(model.nlight) if "street" in model.light(k).name]

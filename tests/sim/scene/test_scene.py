@@ -1,4 +1,4 @@
-"""Scenes as composed, and as drawn: what moves, what is lit, and what stays as it is."""
+"""Scenes, compiled and rendered: moving objects, lit lamps, and a constant background."""
 
 import itertools
 import math
@@ -11,12 +11,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from flybench.direction import Direction
+from flybench.direction import CARDINAL, Direction
 from sim import CrossingConfig, Intrinsics, Lighting, project
 from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.render.luminance_model import luminance_model
-from sim.scene.scene import Scene, build_scene, compose
+from sim.scene.scene import Scene, build_scene, build_spec
 
 EVERYTHING = Distractors(
     wind_grade=4,
@@ -33,9 +33,9 @@ COARSE = Intrinsics(width=86, height=64, focal_px=80.0)
 
 @pytest.mark.parametrize(
     ("kind", "direction", "lighting"),
-    list(itertools.product(VehicleKind, Direction, Lighting)),
+    list(itertools.product(VehicleKind, CARDINAL, Lighting)),
 )
-def test_every_vehicle_goes_every_way_by_any_light(
+def test_every_vehicle_goes_in_every_direction_at_any_time_of_day(
     kind: VehicleKind, direction: Direction, lighting: Lighting
 ) -> None:
     scene = build_scene(CrossingConfig(vehicle=kind, direction=direction, lighting=lighting))
@@ -68,7 +68,7 @@ def test_objects_are_named_and_own_their_bodies_geoms_and_lamps() -> None:
     assert all(item.lamps.size == 0 for item in scene.objects[2:])
 
 
-def test_what_moves_is_only_what_the_configuration_asks_for() -> None:
+def test_only_the_configured_objects_move() -> None:
     scene = build_scene(CrossingConfig())
     assert [item.name for item in scene.objects] == ["target"]
     assert set(np.flatnonzero(scene.model.body_weldid)) == set(scene.target.bodies)
@@ -88,8 +88,8 @@ def test_lamps_on_the_mains_are_the_street_lamps_and_the_lit_windows() -> None:
     assert not set(scene.flickering_lights) & {int(k) for item in scene.objects for k in item.lamps}
 
 
-def test_lanes_keep_vehicles_and_walkers_apart() -> None:
-    """Across the road no two things that move, or stand, share a place, whatever is chosen."""
+def test_lanes_keep_vehicles_and_pedestrians_apart() -> None:
+    """No two things overlap across the road, for any configuration."""
     for target, far in itertools.product(VehicleKind, VehicleKind):
         extra = Distractors(
             far_vehicle=RelativeDirection.SAME,
@@ -109,7 +109,7 @@ def test_lanes_keep_vehicles_and_walkers_apart() -> None:
 
 @contextmanager
 def rendered(scene: Scene, lens: Intrinsics = COARSE) -> Iterator[Any]:
-    """A function that draws a scene at a time."""
+    """Yield a function that renders a scene at a time."""
     grey = luminance_model(scene.model)
     with FilamentRenderer(grey, lens) as renderer:
         data = mujoco.MjData(grey)
@@ -123,7 +123,7 @@ def rendered(scene: Scene, lens: Intrinsics = COARSE) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("lighting", list(Lighting))
-def test_where_nothing_moves_every_bit_stays(lighting: Lighting) -> None:
+def test_the_image_is_constant_when_nothing_moves(lighting: Lighting) -> None:
     scene = build_scene(CrossingConfig(lighting=lighting))
     away_s = scene.trajectory.time_at_s(40.0)
     with rendered(scene) as draw:
@@ -132,7 +132,7 @@ def test_where_nothing_moves_every_bit_stays(lighting: Lighting) -> None:
         assert (first > 0).all()
 
 
-def test_each_distractor_changes_the_picture() -> None:
+def test_each_distractor_changes_the_image() -> None:
     for extra in (
         Distractors(wind_grade=6),
         Distractors(far_vehicle=RelativeDirection.SAME, far_vehicle_lag_s=-2.0),
@@ -146,12 +146,12 @@ def test_each_distractor_changes_the_picture() -> None:
         assert changed.mean() > 0.001, extra
 
 
-def test_paint_returns_the_share_of_light_that_its_reflectance_says() -> None:
-    """A level patch of the target's paint: luminance grows by Δρ·E/π, gloss being the same."""
+def test_paint_reflects_the_share_of_light_that_its_reflectance_says() -> None:
+    """Luminance of a level patch of paint grows by Δρ·E/π; the gloss is constant."""
     seen = []
     for reflectance in (0.04, 0.8):
         config = CrossingConfig(paint_reflectance=reflectance, illuminance_lux=10_000.0)
-        spec = compose(config)
+        spec = build_spec(config)
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=[1.0, 0.8, 0.005],
@@ -169,8 +169,8 @@ def test_paint_returns_the_share_of_light_that_its_reflectance_says() -> None:
     assert 0.04 < seen[0] * math.pi / 10_000.0 < 0.1
 
 
-def test_some_paint_all_but_vanishes_before_the_road() -> None:
-    """The mean flank against the mean road beside it, for a row of paints: the sign turns."""
+def test_paint_of_the_roads_reflectance_is_almost_invisible() -> None:
+    """The contrast of flank and road changes its sign from dark to bright paint."""
     contrast = []
     for reflectance in (0.04, 0.13, 0.8):
         config = CrossingConfig(paint_reflectance=reflectance, vehicle=VehicleKind.VAN)

@@ -10,6 +10,6 @@ def test_known_codes() -> None:
     assert encoded(0.18) == pytest.approx(0.4614, abs=1e-4)
 
 
-def test_there_and_back() -> None:
+def test_encoding_and_decoding_are_inverse() -> None:
     value = np.linspace(0, 1, 101)
     assert decoded(encoded(value)) == pytest.approx(value, abs=1e-6)

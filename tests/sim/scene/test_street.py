@@ -8,15 +8,15 @@ from sim import CrossingConfig, Lighting
 from sim.scene.facade_style import LIT_CD_M2, LIT_RGB
 from sim.scene.lighting import EMISSION_CD_M2, relative_luminance
 from sim.scene.movers import FAR_LANE_M
-from sim.scene.scene import compose
+from sim.scene.scene import build_spec
 from sim.scene.street import CAR_M, LAMP_CLEARANCE_M, LAMP_X_M, build_street, plan_trees
-from tests.sim.planes import shared_planes
+from tests.sim.shared_planes import shared_planes
 
 EYE_M = np.array([0.0, -7.8, 1.2])
 
 
 def model_of(seed: int, lighting: Lighting = Lighting.DAY) -> mujoco.MjModel:
-    return compose(CrossingConfig(street_seed=seed, lighting=lighting)).compile()
+    return build_spec(CrossingConfig(street_seed=seed, lighting=lighting)).compile()
 
 
 def test_a_seed_gives_the_same_street_and_another_seed_another() -> None:

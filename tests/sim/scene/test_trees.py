@@ -4,10 +4,9 @@ import pytest
 
 from sim import CrossingConfig
 from sim.distractors import Distractors
-from sim.scene.moving_objects import TREE
 from sim.scene.scene import Scene, build_scene
 from sim.scene.trees import BOUGH_SWAY_DEG, CROWN_SWAY_DEG, Swaying
-from tests.sim.worlds import world_points, world_triangles
+from tests.sim.world_triangles import world_points, world_triangles
 
 
 def windy(grade: int, seed: int = 0) -> Scene:
@@ -15,8 +14,8 @@ def windy(grade: int, seed: int = 0) -> Scene:
 
 
 def test_trees_move_only_in_the_wind() -> None:
-    assert not any(item.kind == TREE for item in build_scene(CrossingConfig()).objects)
-    trees = [item for item in windy(3).objects if item.kind == TREE]
+    assert not any(item.kind == "tree" for item in build_scene(CrossingConfig()).objects)
+    trees = [item for item in windy(3).objects if item.kind == "tree"]
     assert len(trees) >= 2
     assert [tree.name for tree in trees] == [f"tree_{k}" for k in range(len(trees))]
 
@@ -54,7 +53,7 @@ def test_the_box_holds_every_leaf_and_none_is_faster_than_the_bound(grade: int) 
     scene = windy(grade)
     data, step_s = mujoco.MjData(scene.model), 1e-4
     for item, motion in zip(scene.objects, scene.motions, strict=True):
-        if item.kind != TREE:
+        if item.kind != "tree":
             continue
         scene.place(data, 0.0)
         assert len(world_triangles(scene.model, data, item.geoms)) <= 600

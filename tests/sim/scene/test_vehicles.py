@@ -6,14 +6,14 @@ import pytest
 
 from sim import CrossingConfig, SceneConfigError
 from sim.distractors import VehicleKind
-from sim.scene import assets as assets_folder
+from sim.scene import assets as assets
 from sim.scene.assets import ASSETS, open_asset
 from sim.scene.lighting import relative_luminance
 from sim.scene.moving_objects import moving_object
 from sim.scene.scene import build_scene
 from sim.scene.vehicles import FLANK_OF_M, HUES, painted, vehicle
-from tests.sim.planes import shared_planes
-from tests.sim.worlds import world_triangles
+from tests.sim.shared_planes import shared_planes
+from tests.sim.world_triangles import world_triangles
 
 MOST_TRIANGLES = {"sedan": 4000, "van": 4000, "motorcycle": 4000, "pedestrian": 1000}
 
@@ -47,9 +47,7 @@ def test_nothing_is_transparent(kind: VehicleKind) -> None:
 
 @pytest.mark.parametrize("reflectance", [0.04, 0.1, 0.53, 0.8])
 @pytest.mark.parametrize("kind", list(VehicleKind))
-def test_paint_has_the_luminance_reflectance_asked_for(
-    kind: VehicleKind, reflectance: float
-) -> None:
+def test_paint_has_the_configured_reflectance(kind: VehicleKind, reflectance: float) -> None:
     model = vehicle(kind, reflectance, lit=False).compile()
     assert relative_luminance(model.mat("paint").rgba) == pytest.approx(reflectance, rel=1e-6)
     hue = np.array(painted(HUES[kind], reflectance))
@@ -57,8 +55,8 @@ def test_paint_has_the_luminance_reflectance_asked_for(
 
 
 @pytest.mark.parametrize("kind", list(VehicleKind))
-def test_the_near_flank_is_as_far_from_the_camera_as_asked(kind: VehicleKind) -> None:
-    """Whatever the vehicle's width, so that ω = v/d holds for each."""
+def test_the_near_flank_is_at_the_configured_distance(kind: VehicleKind) -> None:
+    """The flank's distance is independent of the vehicle's width, so ω = v/d holds for each."""
     scene = build_scene(CrossingConfig(vehicle=kind, distance_m=7.0))
     data = mujoco.MjData(scene.model)
     scene.place(data, 0.0)
@@ -73,11 +71,11 @@ def test_a_missing_texture_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     (tmp_path / "wall.xml").write_text(
         '<mujoco><asset><texture name="t" type="2d" file="gone.png"/></asset></mujoco>'
     )
-    monkeypatch.setattr(assets_folder, "ASSETS", tmp_path)
-    with pytest.raises(SceneConfigError, match=r"gone\.png.*allowed are.*install"):
+    monkeypatch.setattr(assets, "ASSETS", tmp_path)
+    with pytest.raises(SceneConfigError, match=r"gone\.png.*Allowed are.*Install"):
         open_asset("wall.xml")
 
 
 def test_a_missing_file_is_named() -> None:
-    with pytest.raises(SceneConfigError, match=r"tram\.xml.*install"):
+    with pytest.raises(SceneConfigError, match=r"tram\.xml.*Install"):
         open_asset("tram.xml")

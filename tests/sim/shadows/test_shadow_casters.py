@@ -1,4 +1,4 @@
-"""What may keep light from a thing: by hand, and in the street against all that stands in it."""
+"""Geoms that may shade an object, in a small world and in the whole street."""
 
 import mujoco
 import numpy as np
@@ -40,7 +40,7 @@ BOX = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 2.0]])
         (0, 0, {"wall"}),
     ],
 )
-def test_what_lies_between_a_thing_and_a_lamp_may_shade_it(
+def test_geoms_between_an_object_and_a_light_may_shade_it(
     sun: int, lamp: int, wanted: set[str]
 ) -> None:
     model = mujoco.MjModel.from_xml_string(WORLD.format(sun=sun, lamp=lamp))
@@ -51,22 +51,21 @@ def test_what_lies_between_a_thing_and_a_lamp_may_shade_it(
     assert {model.geom(int(k)).name for k in found} == wanted
 
 
-def test_nothing_else_in_the_street_darkens_the_vehicle() -> None:
+def test_hiding_all_other_geoms_does_not_change_the_vehicle() -> None:
     scene = build_scene(CrossingConfig(lighting=Lighting.NIGHT))
     model = luminance_model(scene.model)
     data = mujoco.MjData(model)
     scene.place(data, -0.1)
-    still = np.setdiff1d(np.arange(model.ngeom), scene.target.geoms)
-    idle = np.setdiff1d(
-        still, shadow_casting_geoms(model, data, still, scene.target.corners_m(data))
-    )
+    others = np.setdiff1d(np.arange(model.ngeom), scene.target.geoms)
+    casters = shadow_casting_geoms(model, data, others, scene.target.corners_m(data))
+    hidden = np.setdiff1d(others, casters)
     rectangle = (100, 110, 290, 190)
     with FilamentRenderer(model, Intrinsics()) as renderer:
         renderer.update(data)
         vehicle = np.isin(renderer.segmentation(scene.pose, rectangle), scene.target.geoms)
-        whole = renderer.fine(scene.pose, rectangle, 1)[vehicle]
-        with renderer.hidden(idle):
-            alone = renderer.fine(scene.pose, rectangle, 1)[vehicle]
+        whole = renderer.subpixel_luminance(scene.pose, rectangle, 1)[vehicle]
+        with renderer.hidden(hidden):
+            alone = renderer.subpixel_luminance(scene.pose, rectangle, 1)[vehicle]
     assert vehicle.mean() > 0.2
     np.testing.assert_array_equal(alone, whole)
-    assert 0 < len(idle) < len(still)
+    assert 0 < len(hidden) < len(others)

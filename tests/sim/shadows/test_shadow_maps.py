@@ -1,4 +1,4 @@
-"""A box over a level street: its shadow, in the sun and before a lamp, where geometry says."""
+"""The shadow of a box over level ground lies where geometry says, for the sun and for a lamp."""
 
 import mujoco
 import numpy as np
@@ -12,11 +12,11 @@ from sim.scene.moving_objects import MovingObject, moving_object
 from sim.shadows.shadow_maps import (
     MAP_SIDE,
     TEXEL_M,
-    Lamp,
-    draw_shadow_map,
-    shadowing_lamps,
+    ShadowSource,
+    render_shadow_map,
+    shadow_sources,
 )
-from tests.sim.flat import above, composed, flat_street, lights
+from tests.sim.flat_background import composited, effects, flat_background, pose_above
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -25,18 +25,18 @@ Bools = npt.NDArray[np.bool_]
 HEIGHT_M = 4.0
 LENS = Intrinsics(width=200, height=160, focal_px=400.0)
 HALF_M = np.array([0.35, 0.25, 0.2])
-MIDDLE_M = np.array([0.1, -0.05, 0.6])
+CENTRE_M = np.array([0.1, -0.05, 0.6])
 SUN, LAMP = 0, 1
 
 
 class World:
-    """A box, turned about the vertical, in the light of the sun and of a lamp beside it."""
+    """A box, rotated about the vertical, in the light of the sun and of a lamp beside it."""
 
     def __init__(self, half_m: F64 = HALF_M, turn_deg: float = 30.0) -> None:
         self.model = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody>
           <light type="directional" dir=".4 .3 -1" intensity="1"/>
           <light type="spot" pos="-.9 .8 3" dir=".3 -.3 -1" cutoff="80" intensity="1"/>
-          <body pos="{_text(MIDDLE_M)}" euler="0 0 {turn_deg}">
+          <body pos="{_text(CENTRE_M)}" euler="0 0 {turn_deg}">
             <joint/><geom type="box" size="{_text(half_m)}"/>
           </body>
         </worldbody></mujoco>""")
@@ -46,50 +46,51 @@ class World:
         self.box: MovingObject = moving_object(self.model, "box", "box", 1)
         self.half_m, self.soup = half_m, triangle_soup(self.model)
 
-    def lamp(self, light: int) -> Lamp:
-        return shadowing_lamps(self.model, self.data, np.array([light]))[0]
+    def source(self, light: int) -> ShadowSource:
+        return shadow_sources(self.model, self.data, np.array([light]))[0]
 
-    def lit(self, light: int, street_m: float) -> F32:
-        """Share of a light that a street at some height gets, as seen from straight above."""
+    def lit(self, light: int, ground_m: float) -> F32:
+        """Return the share of a light that ground at some height gets, seen from straight above."""
         maps = np.full((1, MAP_SIDE, MAP_SIDE), np.nan, np.float32)
-        poses, lamp = body_poses(self.data), self.lamp(light)
-        made = draw_shadow_map(lamp, self.box, self.soup, self.data, poses, maps[0])
+        poses, source = body_poses(self.data), self.source(light)
+        made = render_shadow_map(source, self.box, self.soup, self.data, poses, maps[0])
         assert made is not None
-        shadow = lights(
+        shadow = effects(
             1.0,
             1.0,
             maps=maps,
             sizes=np.array([made.size]),
-            views=compose_transforms(inverse_transform(above(HEIGHT_M).into), made.view)[None],
+            views=compose_transforms(inverse_transform(pose_above(HEIGHT_M).into), made.view)[None],
             light=np.array([0]),
-            parallel=np.array([lamp.parallel]),
-            reach=np.array([[0, 0, LENS.width, LENS.height]]),
+            is_sun=np.array([source.is_sun]),
+            shadow_areas=np.array([[0, 0, LENS.width, LENS.height]]),
         )
-        street = flat_street(HEIGHT_M - street_m, np.array([0.0, 1.0]), lens=LENS, size=1)
-        return composed(street, shadow, lens=LENS, blur_px=0.0)
+        depth_m = HEIGHT_M - ground_m
+        background = flat_background(depth_m, np.array([0.0, 1.0]), lens=LENS, supersample=1)
+        return composited(background, shadow, lens=LENS, blur_px=0.0)
 
-    def shaded(self, light: int, street_m: float, grow_m: float) -> Bools:
-        """Which pixels the box, grown on all sides, keeps from a light, ray by ray."""
+    def shaded(self, light: int, ground_m: float, grow_m: float) -> Bools:
+        """Return the pixels that the box, enlarged on all sides, shades; computed ray by ray."""
         x, y = np.meshgrid(np.arange(LENS.width) + 0.5, np.arange(LENS.height) + 0.5)
-        scale = (HEIGHT_M - street_m) / LENS.focal_px
-        street = np.stack(
+        scale = (HEIGHT_M - ground_m) / LENS.focal_px
+        ground = np.stack(
             [
                 (x - LENS.width / 2) * scale,
                 -(y - LENS.height / 2) * scale,
-                np.full(x.shape, street_m),
+                np.full(x.shape, ground_m),
             ],
             axis=-1,
         )
-        lamp = self.lamp(light)
-        way = (
-            np.broadcast_to(-lamp.axes[2] * 99, street.shape)
-            if lamp.parallel
-            else (lamp.place_m - street)
+        source = self.source(light)
+        ray = (
+            np.broadcast_to(-source.axes[2] * 99, ground.shape)
+            if source.is_sun
+            else (source.position_m - ground)
         )
-        turn = self.data.xmat[1].reshape(3, 3)
-        start, way = (street - MIDDLE_M) @ turn, way @ turn
+        rotation = self.data.xmat[1].reshape(3, 3)
+        start, ray = (ground - CENTRE_M) @ rotation, ray @ rotation
         half = self.half_m + grow_m
-        ends = np.stack([(-half - start) / way, (half - start) / way])
+        ends = np.stack([(-half - start) / ray, (half - start) / ray])
         first, last = ends.min(axis=0).max(axis=-1), ends.max(axis=0).min(axis=-1)
         return np.asarray((first < last) & (last > 0) & (first < 1))
 
@@ -104,25 +105,23 @@ def world() -> World:
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP])
-@pytest.mark.parametrize("street_m", [0.0, 0.3])
-def test_a_shadow_ends_where_the_light_passes_the_box(
-    world: World, light: int, street_m: float
-) -> None:
-    lit = world.lit(light, street_m)
-    reach_m = 1.5 * TEXEL_M + 0.5 * HEIGHT_M / LENS.focal_px
-    inside, outside = (world.shaded(light, street_m, g) for g in (-reach_m, reach_m))
+@pytest.mark.parametrize("ground_m", [0.0, 0.3])
+def test_a_shadow_ends_where_rays_pass_the_box(world: World, light: int, ground_m: float) -> None:
+    lit = world.lit(light, ground_m)
+    tolerance_m = 1.5 * TEXEL_M + 0.5 * HEIGHT_M / LENS.focal_px
+    inside, outside = (world.shaded(light, ground_m, g) for g in (-tolerance_m, tolerance_m))
     assert inside.sum() > 1000
     assert (lit[inside] == 0).all()
     assert (lit[~outside] == 1).all()
     fringe = outside & ~inside
     assert lit[fringe].mean() == pytest.approx(
-        1 - world.shaded(light, street_m, 0.0)[fringe].mean(), abs=0.03
+        1 - world.shaded(light, ground_m, 0.0)[fringe].mean(), abs=0.03
     )
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP])
-def test_only_what_lies_beyond_the_box_is_dark(world: World, light: int) -> None:
-    top, bottom = MIDDLE_M[2] + HALF_M[2], MIDDLE_M[2] - HALF_M[2]
+def test_only_points_behind_the_box_are_dark(world: World, light: int) -> None:
+    top, bottom = CENTRE_M[2] + HALF_M[2], CENTRE_M[2] - HALF_M[2]
     for above_m in (1.5 * TEXEL_M, 0.5):
         assert (world.lit(light, top + above_m) == 1).all()
     dark = world.shaded(light, bottom - 0.01, -2 * TEXEL_M)
@@ -130,29 +129,29 @@ def test_only_what_lies_beyond_the_box_is_dark(world: World, light: int) -> None
     assert (world.lit(light, bottom - 0.01)[dark] == 0).all()
 
 
-def test_what_is_behind_the_lamp_or_beside_the_map_is_lit(world: World) -> None:
+def test_points_behind_the_lamp_or_outside_the_map_are_lit(world: World) -> None:
     assert (world.lit(LAMP, 3.3) == 1).all()
     assert (world.lit(LAMP, 3.8) == 1).all()
     far = World(np.array([0.1, 0.1, 0.1]))
     assert (far.lit(SUN, 0.0)[:20] == 1).all()
 
 
-def test_a_lamp_beneath_a_thing_casts_no_shadow_of_it(world: World) -> None:
-    up = Lamp(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 3.0]), parallel=False)
-    upwards = Lamp(np.eye(3), np.array([0.0, 0.0, 3.0]), parallel=False)
+def test_an_object_behind_a_lamp_casts_no_shadow(world: World) -> None:
+    down = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 3.0]), is_sun=False)
+    up = ShadowSource(np.eye(3), np.array([0.0, 0.0, 3.0]), is_sun=False)
     out, poses = np.empty((MAP_SIDE, MAP_SIDE), np.float32), body_poses(world.data)
     args = world.box, world.soup, world.data, poses, out
-    assert draw_shadow_map(upwards, *args) is None
-    assert draw_shadow_map(up, *args) is not None
+    assert render_shadow_map(up, *args) is None
+    assert render_shadow_map(down, *args) is not None
 
 
 @pytest.mark.parametrize("half_m", [0.2, 6.3, 6.54, 7.01, 8.0, 8.03, 20.0])
-def test_maps_fit_whatever_the_thing_s_size(half_m: float) -> None:
-    """Straight below a sun in the zenith, everything is as far to the left as to the right."""
+def test_maps_fit_objects_of_any_size(half_m: float) -> None:
+    """A square below a sun in the zenith fills its map, except for the margin."""
     world = World(np.array([half_m, half_m, 0.1]), turn_deg=0.0)
-    lamp = Lamp(np.diag([1.0, -1.0, -1.0]), np.zeros(3), parallel=True)
+    sun = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.zeros(3), is_sun=True)
     out = np.empty((MAP_SIDE, MAP_SIDE), np.float32)
-    made = draw_shadow_map(lamp, world.box, world.soup, world.data, body_poses(world.data), out)
+    made = render_shadow_map(sun, world.box, world.soup, world.data, body_poses(world.data), out)
     assert made is not None
     rows, columns = made.size
     assert max(rows, columns) <= MAP_SIDE
@@ -163,8 +162,8 @@ def test_maps_fit_whatever_the_thing_s_size(half_m: float) -> None:
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP])
-def test_what_casts_no_shadow_has_no_map(world: World, light: int) -> None:
+def test_an_object_without_casting_triangles_has_no_map(world: World, light: int) -> None:
     none, out = world.soup.of_bodies([]), np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
     poses = body_poses(world.data)
-    lamp = world.lamp(light)
-    assert draw_shadow_map(lamp, world.box, none, world.data, poses, out) is None
+    source = world.source(light)
+    assert render_shadow_map(source, world.box, none, world.data, poses, out) is None

@@ -1,3 +1,5 @@
+"""Triangle meshes and poses of a scene's rigid bodies."""
+
 import mujoco
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ def only_mesh(geom: str) -> BodyMesh:
 
 
 def volume_m3(mesh: BodyMesh) -> float:
-    """By the divergence theorem; positive only where triangles face outwards."""
+    """Volume by the divergence theorem; positive only if the triangles face outwards."""
     a, b, c = mesh.vertices_m.astype(np.float64).reshape(-1, 3, 3).transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
@@ -39,31 +41,31 @@ def test_closed_shapes_have_their_volume_and_face_outwards(geom: str, expected_m
     assert volume_m3(only_mesh(geom)) == pytest.approx(expected_m3, rel=0.08)
 
 
-def test_a_box_has_its_corners_where_the_geom_is() -> None:
+def test_the_corners_of_a_box_are_at_the_pose_of_the_geom() -> None:
     mesh = only_mesh('<geom type="box" size="1 2 3" pos="5 0 0"/>')
     assert mesh.name == WORLD
     np.testing.assert_allclose(mesh.vertices_m.min(axis=0), [4, -2, -3], atol=1e-6)
     np.testing.assert_allclose(mesh.vertices_m.max(axis=0), [6, 2, 3], atol=1e-6)
 
 
-def test_normals_are_units_and_point_away_from_a_convex_body() -> None:
+def test_normals_have_unit_length_and_point_out_of_a_convex_body() -> None:
     mesh = only_mesh('<geom type="capsule" size=".5 1"/>')
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
     assert np.all(np.einsum("ij,ij->i", mesh.normals, mesh.vertices_m) > 0)
 
 
-def test_an_endless_plane_is_level_and_looks_up() -> None:
+def test_an_infinite_plane_is_horizontal_and_faces_up() -> None:
     mesh = only_mesh('<geom type="plane" size="0 0 1"/>')
     assert np.all(mesh.vertices_m[:, 2] == 0)
     np.testing.assert_array_equal(mesh.normals, np.tile([0, 0, 1], (6, 1)))
 
 
-def test_colours_are_encoded_for_the_screen() -> None:
+def test_colours_are_encoded_as_srgb() -> None:
     mesh = only_mesh('<geom type="box" size="1 1 1" rgba="1 .2158605 0 1"/>')
     np.testing.assert_array_equal(np.unique(mesh.colours, axis=0), [[255, 128, 0]])
 
 
-def test_a_textured_geom_has_the_mean_of_its_texels() -> None:
+def test_a_textured_geom_has_the_mean_colour_of_its_texture() -> None:
     texture = (
         '<texture name="t" type="2d" builtin="flat" rgb1="1 .2 0" mark="edge" markrgb="0 1 .4" '
         'width="3" height="3"/><material name="m" texture="t" rgba=".5 1 1 1"/>'
@@ -75,18 +77,18 @@ def test_a_textured_geom_has_the_mean_of_its_texels() -> None:
     texels = model.tex_data.reshape(-1, 3)
     assert len(np.unique(texels, axis=0)) == 2
     (mesh,) = body_meshes(model)
-    wanted = srgb(texels.mean(axis=0) / 255 * [0.5, 1, 1])
-    np.testing.assert_array_equal(np.unique(mesh.colours, axis=0), [wanted])
+    expected = srgb(texels.mean(axis=0) / 255 * [0.5, 1, 1])
+    np.testing.assert_array_equal(np.unique(mesh.colours, axis=0), [expected])
 
 
-def test_srgb_keeps_black_white_and_order() -> None:
+def test_srgb_encoding_maps_black_and_white_and_increases_between() -> None:
     ramp = srgb(np.linspace(0, 1, 50)).astype(int)
     assert ramp[0] == 0
     assert ramp[-1] == 255
     assert np.all(np.diff(ramp) > 0)
 
 
-def test_an_invisible_geom_makes_no_triangles() -> None:
+def test_an_invisible_geom_has_no_triangles() -> None:
     assert only_mesh('<geom type="box" size="1 1 1" rgba="1 1 1 0"/>').vertices_m.shape == (0, 3)
 
 
@@ -96,11 +98,11 @@ def test_a_geom_without_triangles_is_refused() -> None:
         f"<mujoco><asset>{field}</asset>"
         '<worldbody><geom type="hfield" hfield="hills"/></worldbody></mujoco>'
     )
-    with pytest.raises(SceneConfigError, match=r"mjGEOM_HFIELD.*allowed are.*mjGEOM_BOX"):
+    with pytest.raises(SceneConfigError, match=r"mjGEOM_HFIELD.*Allowed are.*mjGEOM_BOX"):
         body_meshes(model)
 
 
-def test_the_street_stands_still_and_the_vehicle_has_five_moving_parts() -> None:
+def test_the_street_is_static_and_the_vehicle_has_five_moving_bodies() -> None:
     scene = build_scene(CrossingConfig())
     meshes = {mesh.name: mesh for mesh in body_meshes(scene.model)}
     moving = set(MovingBodies(scene).poses(0.0))
@@ -112,7 +114,7 @@ def test_the_street_stands_still_and_the_vehicle_has_five_moving_parts() -> None
 
 
 @pytest.mark.parametrize("direction", [Direction.RIGHT, Direction.LEFT])
-def test_bodies_follow_the_vehicle(direction: Direction) -> None:
+def test_bodies_move_with_the_vehicle(direction: Direction) -> None:
     scene = build_scene(CrossingConfig(direction=direction))
     bodies = MovingBodies(scene)
     before, after = bodies.poses(0.0), bodies.poses(scene.trajectory.time_at_s(2.0))
@@ -121,7 +123,7 @@ def test_bodies_follow_the_vehicle(direction: Direction) -> None:
         np.testing.assert_allclose(moved, [2.0 * scene.heading, 0, 0], atol=1e-9)
 
 
-def test_a_wheel_turns_as_far_as_it_rolls() -> None:
+def test_a_wheel_rolls_without_slipping() -> None:
     scene = build_scene(CrossingConfig())
     bodies = MovingBodies(scene)
     quarter_s = scene.trajectory.time_at_s(0.32 * np.pi / 2)

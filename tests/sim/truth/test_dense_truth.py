@@ -1,4 +1,4 @@
-"""A scene's geometry and flow against the closed forms of its motions."""
+"""Depth and optical flow of a scene, compared with the closed forms of its motions."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from sim.truth.dense_truth import DenseTruth
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
-def test_the_targets_flank_flows_by_f_v_over_z(direction: str) -> None:
+def test_the_flow_of_the_targets_flank_is_f_v_over_z(direction: str) -> None:
     scene, lens = build_scene(CrossingConfig(direction=Direction(direction))), Intrinsics()
     geometry = DenseTruth(scene, lens)
     visible, flow = geometry.visible(0.1), geometry.flow_px_s(0.1)
@@ -27,11 +27,11 @@ def test_the_targets_flank_flows_by_f_v_over_z(direction: str) -> None:
     assert np.abs(flow[visible.body <= 0]).max() < 1e-3
 
 
-def test_a_rolling_wheel_rests_on_the_road_and_is_twice_as_fast_on_top() -> None:
+def test_a_rolling_wheel_has_no_speed_at_the_road_and_twice_the_vehicles_on_top() -> None:
     scene, lens = build_scene(CrossingConfig()), Intrinsics()
     geometry, speed = DenseTruth(scene, lens), scene.trajectory.speed_m_s(0.0)
     wheel = int(scene.model.body("vehicle/wheel_front_right").id)
-    view, twist = geometry.views(0.0)[wheel], geometry.twists(0.0)[wheel]
+    view, twist = geometry.poses_in_camera(0.0)[wheel], geometry.twists(0.0)[wheel]
     axle = view[:, 3]
     radius = scene.model.body_pos[wheel, 2]
     for height, factor in ((-radius, 0.0), (0.0, 1.0), (radius, 2.0)):
@@ -48,32 +48,32 @@ def test_a_rolling_wheel_rests_on_the_road_and_is_twice_as_fast_on_top() -> None
     assert pytest.approx(expected, abs=0.02) == flow[rows, columns].T
 
 
-def test_differences_over_10_us_lose_no_more_of_a_shake_than_said() -> None:
-    wild = band_limited_noise(np.random.default_rng(1), rms=0.05, corner_hz=50.0)
+def test_central_differences_of_10_us_have_the_documented_error_for_a_shake() -> None:
+    noise = band_limited_noise(np.random.default_rng(1), rms=0.05, corner_hz=50.0)
     times = np.linspace(0, 0.5, 200)
-    found = np.array([(wild.value(t + 1e-5) - wild.value(t - 1e-5)) / 2e-5 for t in times])
-    assert np.abs(found - [wild.rate(t) for t in times]).max() < 2e-4 * wild.rms_rate
+    found = np.array([(noise.value(t + 1e-5) - noise.value(t - 1e-5)) / 2e-5 for t in times])
+    assert np.abs(found - [noise.rate(t) for t in times]).max() < 2e-4 * noise.rms_rate
 
 
-def test_a_shaking_camera_sees_the_still_street_move_as_it_turns() -> None:
-    """Against the flow of a rotation at the rate that the shake's own closed form has."""
+def test_a_shaking_camera_sees_the_background_flow_of_its_rotation() -> None:
+    """Compared with the flow of a rotation at the rate from the shake's closed form."""
     config = CrossingConfig(distractors=Distractors(shake_rms_deg=0.3, seed=4))
     scene, lens = build_scene(config), Intrinsics()
     assert scene.shake is not None
     geometry, shake = DenseTruth(scene, lens), scene.shake
     rate = np.array([axis.rate(0.2) for axis in shake.axes])
     a, b, c = rate - np.cross(shake.rotation_rad(0.2), rate) / 2  # the next term is 10⁻⁵ of it
-    flow, still = geometry.flow_px_s(0.2), geometry.visible(0.2).body <= 0
+    flow, background = geometry.flow_px_s(0.2), geometry.visible(0.2).body <= 0
     x = (np.arange(lens.width) + 0.5 - lens.width / 2) / lens.focal_px
     y = ((np.arange(lens.height) + 0.5 - lens.height / 2) / lens.focal_px)[:, None]
     right = lens.focal_px * (-b + c * y + a * x * y - b * x * x)
     down = lens.focal_px * (a - c * x + a * y * y - b * x * y)
-    assert np.abs(flow[still]).max() > 5.0
-    assert flow[still, 0] == pytest.approx(right[still], abs=2e-3)
-    assert flow[still, 1] == pytest.approx(down[still], abs=2e-3)
+    assert np.abs(flow[background]).max() > 5.0
+    assert flow[background, 0] == pytest.approx(right[background], abs=2e-3)
+    assert flow[background, 1] == pytest.approx(down[background], abs=2e-3)
 
 
-def test_displacement_over_a_short_time_is_the_flow() -> None:
+def test_displacement_over_a_short_time_equals_flow_times_time() -> None:
     scene = build_scene(CrossingConfig(distractors=Distractors(shake_rms_deg=0.3, wind_grade=5)))
     geometry = DenseTruth(scene, Intrinsics())
     flow, step = geometry.flow_px_s(0.1), 1e-5

@@ -1,4 +1,4 @@
-"""The cutoff comes back out of events per cycle, and follows the light."""
+"""The cutoff is recovered from events per cycle, and rises with illuminance."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emulator import SensorConfig
-from emulator.characterisation.bench import decades
+from emulator.characterisation.bench import log_spaced
 from emulator.characterisation.experiments.bandwidth import (
     LEAST_SWING,
     Calibration,
@@ -16,36 +16,36 @@ from emulator.characterisation.experiments.bandwidth import (
 )
 
 
-def test_cutoff_grows_with_light_up_to_the_limit() -> None:
+def test_the_cutoff_rises_with_illuminance_to_a_limit() -> None:
     config = replace(SensorConfig.noise_free(), bandwidth_limit_hz=800.0)
     responses = measure_response(
         config,
         calibrate(config, seed=1),
         chip_lux=[0.4, 2.0, 500.0],
-        frequency_hz=decades(10.0, 4000.0, 5),
+        frequency_hz=log_spaced(10.0, 4000.0, 5),
         seed=1,
     )
     cutoffs = [response.cutoff_hz for response in responses]
     assert cutoffs == pytest.approx([41.0, 201.0, 800.0], rel=0.1)
 
 
-def test_a_high_threshold_is_given_more_flicker() -> None:
+def test_the_flicker_is_stronger_for_a_high_threshold() -> None:
     config = replace(SensorConfig.noise_free(), theta_on=0.5, bandwidth_limit_hz=800.0)
     calibration = calibrate(config, seed=1)
     assert calibration.swing == pytest.approx(2.75)
     (response,) = measure_response(
-        config, calibration, chip_lux=[500.0], frequency_hz=decades(10.0, 4000.0, 5), seed=1
+        config, calibration, chip_lux=[500.0], frequency_hz=log_spaced(10.0, 4000.0, 5), seed=1
     )
     assert response.cutoff_hz == pytest.approx(800.0, rel=0.1)
 
 
-def test_noise_is_told_from_signal_and_keeps_a_cutoff_from_being_given() -> None:
+def test_noise_is_counted_separately_and_prevents_a_fit() -> None:
     config = SensorConfig()
     dim, bright = measure_response(
         config,
         calibrate(config, seed=1),
         chip_lux=[0.02, 500.0],
-        frequency_hz=decades(1.0, 1000.0, 3),
+        frequency_hz=log_spaced(1.0, 1000.0, 3),
         seed=1,
     )
     assert dim.cutoff_hz is None
@@ -53,7 +53,7 @@ def test_noise_is_told_from_signal_and_keeps_a_cutoff_from_being_given() -> None
     assert bright.noise_per_cycle.max() < 0.05
 
 
-def test_calibration_counts_thresholds() -> None:
+def test_the_calibration_counts_thresholds() -> None:
     config = replace(SensorConfig.noise_free(), theta_mismatch=0.0, refractory_us=0)
     calibration = calibrate(config, seed=1)
     steps = calibration.amplitude / 0.18
@@ -61,10 +61,10 @@ def test_calibration_counts_thresholds() -> None:
     assert np.all(calibration.events >= np.floor(steps) - 2.0)
 
 
-def test_the_fit_finds_what_made_a_response() -> None:
+def test_the_fit_recovers_share_and_cutoff() -> None:
     amplitude = np.linspace(0.0, 1.2 * LEAST_SWING, 50)
     calibration = Calibration(amplitude, np.maximum(5.0 * amplitude - 0.5, 0.0), 3.0)
-    frequency = decades(1.0, 1000.0, 6)
+    frequency = log_spaced(1.0, 1000.0, 6)
     events = calibration.model(frequency, 0.9, 70.0)
     assert calibration.fit(frequency, events, frequency > 0) == pytest.approx((0.9, 70.0), rel=0.01)
     assert calibration.fit(frequency, events, frequency < 3) is None

@@ -1,4 +1,4 @@
-"""The dynamic range starts where the dark current and noise let it."""
+"""The dynamic range is limited by the dark current and by noise."""
 
 from dataclasses import replace
 
@@ -7,13 +7,13 @@ import pytest
 
 from emulator import SensorConfig
 from emulator.characterisation.experiments.dynamic_range import (
-    answering_share,
     dynamic_range_db,
     measure,
+    responding_share,
 )
 
 
-def test_range_is_interpolated_between_lights() -> None:
+def test_the_range_is_interpolated_between_illuminances() -> None:
     lux = np.array([1.0, 10.0, 100.0, 1000.0])
     assert dynamic_range_db(lux, np.array([0.0, 1.0, 1.0, 1.0])) == pytest.approx(50.0)
     assert dynamic_range_db(lux, np.array([0.0, 1.0, 1.0, 0.0])) == pytest.approx(40.0)
@@ -21,11 +21,11 @@ def test_range_is_interpolated_between_lights() -> None:
     assert dynamic_range_db(lux, np.full(4, 0.4)) is None
 
 
-def test_noise_free_pixels_answer_from_where_their_threshold_is_met() -> None:
+def test_noise_free_pixels_respond_once_the_bar_exceeds_their_threshold() -> None:
     config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
     edge = config.dark_lux * np.expm1(0.22) / (1.0 - 0.2 * np.exp(0.22))
-    assert answering_share(config, chip_lux=0.95 * edge, seed=1) == 0.0
-    assert answering_share(config, chip_lux=1.05 * edge, seed=1) == 1.0
+    assert responding_share(config, chip_lux=0.95 * edge, seed=1) == 0.0
+    assert responding_share(config, chip_lux=1.05 * edge, seed=1) == 1.0
 
 
 def test_ten_times_the_dark_current_costs_20_db() -> None:

@@ -1,4 +1,4 @@
-"""Shot noise is Poisson, leak is a clock."""
+"""Shot noise is a Poisson process, and leak is periodic."""
 
 from dataclasses import replace
 
@@ -21,14 +21,14 @@ def test_shot_noise_has_the_intervals_of_a_poisson_process() -> None:
     assert found.interval_s.mean() == pytest.approx(1.0 / 9.7, rel=0.03)
 
 
-def test_leak_is_regular_and_spread_by_mismatch() -> None:
+def test_leak_is_periodic_within_a_pixel_and_varies_with_mismatch() -> None:
     found = measure_intervals(record_static(SensorConfig(), chip_lux=BRIGHT_LUX, seed=1))
     assert found is not None
     assert found.pixel_variation < 0.02
     assert found.variation == pytest.approx(0.035 / 0.18, rel=0.15)
 
 
-def test_a_silent_sensor_has_none() -> None:
+def test_a_sensor_without_events_has_no_intervals() -> None:
     config = replace(SensorConfig.noise_free())
     assert measure_intervals(record_static(config, chip_lux=BRIGHT_LUX, seed=1)) is None
     section = measure(config, seed=1)

@@ -1,4 +1,4 @@
-"""Latency follows the photoreceptor, and jitter the noise and the mismatch."""
+"""Latency depends on the photoreceptor, jitter on noise and mismatch."""
 
 from dataclasses import replace
 
@@ -8,16 +8,16 @@ from emulator import SensorConfig
 from emulator.characterisation.experiments.latency import measure, measure_latency
 
 
-def test_latency_is_in_proportion_to_the_time_constant() -> None:
+def test_latency_is_proportional_to_the_time_constant() -> None:
     config = replace(SensorConfig.noise_free(), bandwidth_limit_hz=1e6)
     slow, fast = (measure_latency(config, chip_lux=lux, seed=1) for lux in (1.0, 10.0))
     assert slow is not None
     assert fast is not None
     assert slow.median_us / fast.median_us == pytest.approx(10.01 / 1.01, rel=0.15)
-    assert slow.answered == fast.answered == 1.0
+    assert slow.response_share == fast.response_share == 1.0
 
 
-def test_a_step_below_the_threshold_is_not_answered() -> None:
+def test_a_step_below_the_threshold_has_no_latency() -> None:
     config = replace(SensorConfig.noise_free(), theta_on=2.0)
     assert measure_latency(config, chip_lux=10.0, seed=1) is None
 

@@ -1,4 +1,4 @@
-"""The leak's line against light, found without looking at causes."""
+"""The leak against illuminance and temperature, found without the causes of events."""
 
 from dataclasses import replace
 
@@ -9,20 +9,20 @@ from emulator import SensorConfig
 from emulator.characterisation.experiments.leak import doubling_k, leak_line, measure, measure_leak
 
 
-def test_a_line_through_rates() -> None:
+def test_the_line_through_rates_is_recovered() -> None:
     lux = np.array([1.0, 10.0, 100.0])
     assert leak_line(lux, 0.2 + 0.003 * lux) == pytest.approx((0.2, 0.003))
     assert leak_line(lux, [0.2, np.nan, np.nan]) == (None, None)
 
 
-def test_doubling_of_rates() -> None:
+def test_the_doubling_temperature_is_recovered() -> None:
     celsius = np.array([10.0, 20.0, 50.0])
     assert doubling_k(celsius, 2.0 ** (celsius / 8.0)) == pytest.approx(8.0)
     assert doubling_k(celsius, [1.0, 1.0, 0.5]) is None
     assert doubling_k(celsius, [1.0, np.nan, np.nan]) is None
 
 
-def test_warming_follows_the_sensor() -> None:
+def test_the_leak_doubles_as_configured() -> None:
     config = replace(SensorConfig(), leak_doubling_k=9.0)
     warm, cool = (
         measure_leak(replace(config, temperature_c=c), chip_lux=30.0, seed=1).leak_hz
@@ -33,11 +33,11 @@ def test_warming_follows_the_sensor() -> None:
     assert warm / cool == pytest.approx(8.0, rel=0.02)
 
 
-def test_leak_hides_in_dim_light() -> None:
+def test_shot_noise_hides_the_leak_in_dim_light() -> None:
     assert measure_leak(SensorConfig(), chip_lux=0.1, seed=1).leak_hz is None
 
 
-def test_section_finds_both_parts_of_the_leak() -> None:
+def test_the_section_recovers_both_parts_of_the_leak() -> None:
     config = replace(SensorConfig(), leak_hz=0.2, leak_hz_per_lux=1e-4)
     dark, slope, warming, spread = measure(config, seed=4).quantities
     assert dark.measured == pytest.approx(0.2, rel=0.05)

@@ -1,4 +1,4 @@
-"""The photon transfer curve finds what the frames were made with."""
+"""The photon transfer curve recovers the parameters of the frames."""
 
 from dataclasses import replace
 
@@ -9,13 +9,13 @@ from emulator import ApsConfig, SensorConfig
 from emulator.characterisation.experiments.photon_transfer import (
     fit_line,
     fixed_pattern_dn,
-    frames,
     measure,
     measure_photon_transfer,
+    record_frames,
 )
 
 
-def test_default_frames() -> None:
+def test_the_default_parameters_are_recovered() -> None:
     found = measure_photon_transfer(SensorConfig(), seed=1)
     assert found.electrons_per_dn == pytest.approx(37_000 / 680, rel=0.04)
     assert found.read_noise_e == pytest.approx(66.0, rel=0.06)
@@ -25,7 +25,7 @@ def test_default_frames() -> None:
     assert found.fpn_percent == pytest.approx(0.5, rel=0.03)
 
 
-def test_other_frames() -> None:
+def test_other_parameters_are_recovered() -> None:
     aps = ApsConfig(
         full_well_e=10_000.0,
         saturation_dn=1000,
@@ -47,7 +47,7 @@ def test_frames_without_noise_give_no_gain() -> None:
     assert found.dynamic_range_db is None
 
 
-def test_fixed_pattern_is_what_stays() -> None:
+def test_the_fixed_pattern_excludes_temporal_noise() -> None:
     rng = np.random.default_rng(1)
     pattern = rng.normal(300.0, 4.0, (50, 50))
     stack = np.rint(pattern + rng.normal(0.0, 6.0, (30, 50, 50))).astype(np.uint16)
@@ -55,24 +55,26 @@ def test_fixed_pattern_is_what_stays() -> None:
     assert fixed_pattern_dn(np.rint(rng.normal(300.0, 6.0, (30, 50, 50))).astype(np.uint16)) < 0.5
 
 
-def test_line_of_known_noise() -> None:
+def test_the_line_of_known_noise_is_recovered() -> None:
     mean = np.linspace(10.0, 900.0, 30)
     per_dn, read_e = fit_line(mean, 4.0 + mean / 50.0, saturation_dn=1000.0, dark_dn=0.0)
     assert per_dn == pytest.approx(50.0)
     assert read_e == pytest.approx(100.0)
 
 
-def test_frames_keep_the_fixed_exposure() -> None:
+def test_frames_have_a_fixed_exposure() -> None:
     config = replace(SensorConfig(), aps=ApsConfig(exposure_us=1000))
-    dim, bright = (frames(config, chip_lux=lux, number=1, seed=1).mean() for lux in (20.0, 40.0))
+    dim, bright = (
+        record_frames(config, chip_lux=lux, number=1, seed=1).mean() for lux in (20.0, 40.0)
+    )
     assert bright / dim == pytest.approx(2.0, rel=0.02)
 
 
-def test_exposures_longer_than_the_usual_period_come_out_too() -> None:
+def test_exposures_longer_than_the_usual_period_work() -> None:
     config = replace(SensorConfig(), aps=ApsConfig(exposure_us=10_000_000))
-    assert frames(config, chip_lux=0.001, number=3, seed=1).shape[0] == 3
+    assert record_frames(config, chip_lux=0.001, number=3, seed=1).shape[0] == 3
 
 
-def test_section_compares_every_figure() -> None:
+def test_the_section_compares_every_figure() -> None:
     section = measure(SensorConfig(), seed=1)
     assert all(quantity.published is not None for quantity in section.quantities)

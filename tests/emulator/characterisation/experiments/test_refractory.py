@@ -1,4 +1,4 @@
-"""The refractory period comes back out of the intervals on ramps."""
+"""The refractory period is recovered from the intervals on ramps."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from emulator.characterisation.experiments.refractory import measure, measure_re
 
 
 @pytest.mark.parametrize("refractory_us", [0, 3, 40, 500])
-def test_period_is_recovered(refractory_us: int) -> None:
+def test_the_period_is_recovered(refractory_us: int) -> None:
     config = replace(SensorConfig(), refractory_us=refractory_us)
     found = measure_refractory(config, seed=1)
     assert found.refractory_us == pytest.approx(refractory_us, abs=0.3, rel=0.02)

@@ -1,4 +1,4 @@
-"""Thresholds, mismatch and dark current come back out of the S-curves."""
+"""Thresholds, mismatch and dark current are recovered from the S-curves."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from emulator.characterisation.experiments.s_curve import (
     fit_s_curve,
     measure,
     measure_s_curve,
-    response,
+    response_share,
 )
 
 BRIGHT_LUX = 1000.0
@@ -31,7 +31,7 @@ def test_threshold_and_mismatch_are_recovered(on: bool, theta: float, mismatch: 
     assert curve.guess < 0.01
 
 
-def test_a_sensor_without_mismatch_steps_at_its_threshold() -> None:
+def test_without_mismatch_the_curve_is_a_step_at_the_threshold() -> None:
     config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
     curve = measure_s_curve(config, chip_lux=BRIGHT_LUX, on=True, seed=1)
     assert curve.threshold == pytest.approx(0.18, rel=0.03)
@@ -48,25 +48,27 @@ def test_dark_current_hides_part_of_a_step(ratio: float) -> None:
     assert curve.threshold == pytest.approx(np.log1p((1.0 + ratio) * np.expm1(0.18)), rel=0.03)
 
 
-def test_no_step_down_is_seen_where_darkness_is_too_near() -> None:
+def test_near_darkness_no_step_down_is_seen() -> None:
     config = SensorConfig.noise_free()
     curve = measure_s_curve(config, chip_lux=0.001, on=False, seed=2)
     assert curve.threshold is None
     assert curve.mismatch is None
 
 
-def test_controls_show_the_noise() -> None:
+def test_control_columns_show_the_noise() -> None:
     contrast = np.zeros(8)
-    share, guess = response(SensorConfig(), contrast, chip_lux=0.1, on=True, seed=1, height=400)
+    share, guess = response_share(
+        SensorConfig(), contrast, chip_lux=0.1, on=True, seed=1, height=400
+    )
     assert guess == pytest.approx(share.mean(), abs=0.04)
     assert guess > 0.05
-    quiet, none = response(
+    quiet, none = response_share(
         SensorConfig.noise_free(), contrast, chip_lux=0.1, on=True, seed=1, height=20
     )
     assert none == quiet.max() == 0.0
 
 
-def test_the_fit_finds_what_made_a_curve() -> None:
+def test_the_fit_recovers_the_parameters_of_a_curve() -> None:
     c = np.linspace(0.02, 0.6, 60)
     curve = fit_s_curve(c, 0.2 + 0.7 * ndtr((c - 0.25) / 0.05), 0.2)
     assert curve.threshold == pytest.approx(0.25, rel=0.01)
@@ -74,7 +76,7 @@ def test_the_fit_finds_what_made_a_curve() -> None:
     assert curve.lapse == pytest.approx(0.1, abs=0.01)
 
 
-def test_dark_current_from_thresholds() -> None:
+def test_the_dark_current_is_recovered_from_thresholds() -> None:
     lux = np.array([0.1, 1.0, 10.0, 100.0])
     theta = np.log1p((1.0 + 0.03 / lux) * np.expm1(0.2))
     assert fit_dark_lux(lux, theta) == pytest.approx(0.03, rel=1e-6)
@@ -87,6 +89,7 @@ def test_section_of_the_default_sensor() -> None:
     found = {quantity.name: quantity for quantity in section.quantities}
     for name in ("ON threshold at 1 klux", "OFF threshold at 1 klux"):
         assert abs(found[name].difference or 1.0) < 0.03
-    assert found["dark current as light on the chip"].measured == pytest.approx(0.01, rel=0.4)
-    drawn = {series.label for series in section.plots[0].series}
-    assert len(drawn - {""}) == len(SCENE_LUX)
+    dark = found["dark current as illuminance on the chip"]
+    assert dark.measured == pytest.approx(0.01, rel=0.4)
+    labels = {series.label for series in section.plots[0].series}
+    assert len(labels - {""}) == len(SCENE_LUX)

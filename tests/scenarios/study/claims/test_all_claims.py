@@ -1,4 +1,4 @@
-"""Every claim can hold, and can fail: a table in which all do, changed a figure at a time."""
+"""Every claim can hold and can fail: the tests change one value of a table in which all hold."""
 
 from typing import Any
 
@@ -7,20 +7,20 @@ import pytest
 from scenarios.pipeline.registry import CONTRAST, FLOORLESS_FRAME_FLY, FLY, FRAME_FLY
 from scenarios.study.claims import direction as direction
 from scenarios.study.claims import response as response
-from scenarios.study.claims.all_claims import CLAIMS, hold_claims
+from scenarios.study.claims.all_claims import CLAIMS, evaluate_claims
 from scenarios.study.claims.claim import DAY, NIGHT
 from scenarios.study.rows import Row
 
 SPEEDS = (1.0, 1.5, 2.0)
 
 
-def row(light: str, omega: float, method: str, seed: int, **other: Any) -> Row:
-    """One in which every claim holds."""
+def make_row(lighting: str, omega: float, method: str, seed: int) -> Row:
+    """Make a row with which every claim holds."""
     frames = method in (FRAME_FLY, FLOORLESS_FRAME_FLY)
-    blind = frames and light == NIGHT
+    blind = frames and lighting == NIGHT
     return {
-        "sequence": f"{light}_{omega:.2f}",
-        "lighting": light,
+        "sequence": f"{lighting}_{omega:.2f}",
+        "lighting": lighting,
         "omega_rad_s": omega,
         "image_speed_px_s": 300.0 * omega,
         "duration_s": 1.0,
@@ -41,27 +41,26 @@ def row(light: str, omega: float, method: str, seed: int, **other: Any) -> Row:
         "ms_per_estimate": 50.0 if method == CONTRAST else 1.0,
         "ns_per_event": 3000.0 if method == CONTRAST else 100.0,
         "estimates": 7 if blind else 38,
-    } | other
+    }
 
 
-def table(**changed: Any) -> list[Row]:
-    """All rows; `changed` has what differs, for rows that `where` names."""
-    where = changed.pop("where", {})
+def make_table(*, where: dict[str, Any] | None = None, **changes: Any) -> list[Row]:
+    """Make all rows, with changes in those that have the values of `where`."""
     rows = [
-        row(light, omega, method, seed)
-        for light in (DAY, NIGHT)
+        make_row(lighting, omega, method, seed)
+        for lighting in (DAY, NIGHT)
         for omega in SPEEDS
         for method in (FLY, FRAME_FLY, FLOORLESS_FRAME_FLY, CONTRAST)
         for seed in (0, 1)
     ]
-    for one in rows:
-        if all(one[name] == value for name, value in where.items()):
-            one.update(changed)
+    for row in rows:
+        if all(row[name] == value for name, value in (where or {}).items()):
+            row.update(changes)
     return rows
 
 
-def test_all_hold_where_all_is_as_the_paper_says() -> None:
-    found = hold_claims(table())
+def test_all_claims_but_one_hold_for_numbers_like_the_paper_s() -> None:
+    found = evaluate_claims(make_table())
     assert len(found) == len(CLAIMS)
     untested = [claim for claim in found if claim.holds != "holds"]
     assert [claim.holds for claim in untested] == ["not tested"]
@@ -172,31 +171,31 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
         (response.fly_is_real_time, {"method": FLY}, {"cpu_s": 1.1}, "does not hold"),
     ],
 )
-def test_a_claim_that_the_numbers_deny_is_denied(
+def test_a_claim_fails_if_the_numbers_contradict_it(
     claim: Any, where: dict[str, Any], changed: dict[str, Any], holds: str
 ) -> None:
-    assert claim(table()).holds == "holds"
-    assert claim(table(where=where, **changed)).holds == holds
+    assert claim(make_table()).holds == "holds"
+    assert claim(make_table(where=where, **changed)).holds == holds
 
 
 @pytest.mark.parametrize("claim", CLAIMS)
-def test_without_the_methods_nothing_is_tested(claim: Any) -> None:
-    rows = [row(DAY, 1.0, "mine:Own", 0)]
+def test_without_the_paper_s_methods_no_claim_is_tested(claim: Any) -> None:
+    rows = [make_row(DAY, 1.0, "mine:Own", 0)]
     assert claim(rows).holds == "not tested"
 
 
-def test_evidence_tells_the_numbers() -> None:
-    claim = response.fly_is_faster(table())
-    assert (
-        "1 ms (1 to 1) by the fly and 50 ms (50 to 50) by contrast maximisation" in claim.evidence
+def test_the_evidence_gives_the_numbers() -> None:
+    claim = response.fly_is_faster(make_table())
+    assert "takes the fly 1 ms (1 to 1), and contrast maximisation 50 ms (50 to 50)" in (
+        claim.evidence
     )
-    claim = direction.fly_is_right(table(where={"method": FLY, "seed": 1}, verdict="none"))
-    assert "right in 6 of 12 runs" in claim.evidence
+    claim = direction.fly_is_right(make_table(where={"method": FLY, "seed": 1}, verdict="none"))
+    assert "correct in 6 of 12 runs" in claim.evidence
 
 
-def test_the_published_model_is_judged_where_it_ran() -> None:
-    rows = [r for r in table() if r["method"] != FLOORLESS_FRAME_FLY]
+def test_the_model_without_our_floor_is_used_if_it_ran() -> None:
+    rows = [row for row in make_table() if row["method"] != FLOORLESS_FRAME_FLY]
     claim = direction.frames_fail_by_night(rows)
     assert claim.holds == "holds"
-    assert "with our floor" not in claim.evidence
-    assert "with our floor" in direction.frames_fail_by_night(table()).evidence
+    assert "With our floor" not in claim.evidence
+    assert "With our floor" in direction.frames_fail_by_night(make_table()).evidence

@@ -5,33 +5,35 @@ import pytest
 
 from scenarios.pipeline.registry import FLY
 from scenarios.study.figures.curves import Curve, curve, mean_curve
-from tests.scenarios.study.hand_made import a_run
+from tests.scenarios.study.synthetic_results import make_run
 
 
-def made(times: list[float], values: list[float]) -> Curve:
+def make_curve(times: list[float], values: list[float]) -> Curve:
     return Curve(np.array(times), np.array(values))
 
 
-def test_a_run_becomes_a_curve() -> None:
-    run = a_run(FLY, 0)
+def test_a_curve_has_a_point_for_each_estimate() -> None:
+    run = make_run(FLY, 0)
     found = curve(run, lambda e: e.hs)
     assert found.t_us.tolist() == [e.t_us for e in run.estimates]
     assert found.values.tolist() == [e.hs for e in run.estimates]
 
 
-def test_mean_at_common_times_leaves_out_what_is_no_number() -> None:
-    mean = mean_curve([made([1, 2, 3], [1, math.nan, math.nan]), made([1, 2, 3], [3, 5, math.nan])])
+def test_the_mean_leaves_out_nan() -> None:
+    mean = mean_curve(
+        [make_curve([1, 2, 3], [1, math.nan, math.nan]), make_curve([1, 2, 3], [3, 5, math.nan])]
+    )
     assert mean.t_us.tolist() == [1, 2, 3]
     assert mean.values[:2].tolist() == [2, 5]
     assert math.isnan(mean.values[2])
 
 
-def test_mean_of_other_times_goes_straight_between_and_covers_what_all_cover() -> None:
-    mean = mean_curve([made([0, 10, 20], [0, 10, 20]), made([5, 15, 25], [1, 1, 1])])
+def test_the_mean_at_different_times_is_interpolated_where_all_curves_overlap() -> None:
+    mean = mean_curve([make_curve([0, 10, 20], [0, 10, 20]), make_curve([5, 15, 25], [1, 1, 1])])
     assert mean.t_us.tolist() == [5, 10, 15, 20]
     assert mean.values == pytest.approx([3, 5.5, 8, 10.5])
 
 
-@pytest.mark.parametrize("curves", [[], [made([], []), made([1], [2])]])
-def test_no_curve_without_estimates(curves: list[Curve]) -> None:
+@pytest.mark.parametrize("curves", [[], [make_curve([], []), make_curve([1], [2])]])
+def test_there_is_no_mean_without_estimates_of_every_seed(curves: list[Curve]) -> None:
     assert mean_curve(curves).t_us.size == 0

@@ -3,19 +3,19 @@ from matplotlib.figure import Figure
 from scenarios.pipeline.registry import FLY, FRAME_FLY
 from scenarios.study.figures.sequence_axis import (
     add_legend,
-    light_line,
-    name_methods,
-    name_sequences,
+    label_methods,
+    label_sequences,
+    lighting_style,
 )
-from tests.scenarios.study.hand_made import a_sequence
+from tests.scenarios.study.synthetic_results import make_sequence
 
-SEQUENCES = [a_sequence("day", 1.21), a_sequence("day", 1.61), a_sequence("night", 1.07)]
+SEQUENCES = [make_sequence("day", 1.21), make_sequence("day", 1.61), make_sequence("night", 1.07)]
 
 
-def test_places_are_named_by_velocity_and_light() -> None:
+def test_positions_are_labelled_with_velocity_and_lighting() -> None:
     axes = Figure().add_subplot()
-    name_sequences(axes, SEQUENCES)
-    name_methods(axes, (FLY, FRAME_FLY))
+    label_sequences(axes, SEQUENCES)
+    label_methods(axes, (FLY, FRAME_FLY))
     assert [text.get_text() for text in axes.get_xticklabels()] == ["1.21", "1.61", "1.07"]
     assert [text.get_text() for text in axes.get_xticklabels(minor=True)] == [
         "day [rad/s]",
@@ -25,7 +25,7 @@ def test_places_are_named_by_velocity_and_light() -> None:
     assert axes.get_yticklabels()[0].get_text().split() == ["event-driven", "fly"]
 
 
-def test_the_legend_names_methods_and_lights_once() -> None:
+def test_the_legend_has_each_method_and_lighting_once() -> None:
     figure = Figure()
     add_legend(figure, SEQUENCES)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [
@@ -37,6 +37,6 @@ def test_the_legend_names_methods_and_lights_once() -> None:
     ]
 
 
-def test_night_is_hollow_and_day_is_not() -> None:
-    assert light_line("day", "#123456")["markerfacecolor"] == "#123456"
-    assert light_line("night", "#123456")["markerfacecolor"] == "white"
+def test_day_is_filled_and_night_is_hollow() -> None:
+    assert lighting_style("day", "#123456")["markerfacecolor"] == "#123456"
+    assert lighting_style("night", "#123456")["markerfacecolor"] == "white"

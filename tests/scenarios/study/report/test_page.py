@@ -1,18 +1,18 @@
 import re
 from dataclasses import replace
-from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from markupsafe import escape
 
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study.claims.claim import Claim
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
-from scenarios.study.report.page import what_holds, write_report
+from scenarios.study.report.page import verdict_groups, write_report
 from scenarios.study.rows import study_rows
 from sim import CrossingConfig
-from tests.scenarios.study.hand_made import a_sequence
+from tests.scenarios.study.synthetic_results import make_sequence
 
 OWN = "my.<own>:Detector"
 CLAIMS = [
@@ -21,22 +21,27 @@ CLAIMS = [
     Claim("It costs less", "Fig. EX3 D", "does not hold", "it costs 3 ms"),
     Claim("It runs on an M4", "Section III", "not tested", "another machine"),
 ]
-EMPTY = {"meta", "br", "image", "path", "use", "rect"}
+VOID = {"meta", "br", "image", "path", "use", "rect"}
+
+
+def html(text: str) -> str:
+    """Escape text as the templates do."""
+    return str(escape(text))
 
 
 class Page(HTMLParser):
-    """Collects names and links, and checks that each element closes."""
+    """Collects ids and links, and checks that each element is closed."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
         self.open: list[str] = []
         self.links: list[str] = []
-        self.names: list[str] = []
+        self.ids: list[str] = []
         self.feed(text)
         self.close()
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in EMPTY:
+        if tag not in VOID:
             self.open.append(tag)
         self.note(attrs)
 
@@ -49,10 +54,10 @@ class Page(HTMLParser):
             if name in {"src", "href", "xlink:href"} and value is not None:
                 self.links.append(value)
             if name == "id" and value is not None:
-                self.names.append(value)
+                self.ids.append(value)
 
     def handle_endtag(self, tag: str) -> None:
-        if tag not in EMPTY:
+        if tag not in VOID:
             assert self.open.pop() == tag
 
 
@@ -60,7 +65,10 @@ class Page(HTMLParser):
 def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tmp_path_factory.mktemp("report")
     methods = (FLY, FRAME_FLY, CONTRAST, OWN)
-    sequences = [a_sequence("day", methods=methods), a_sequence("night", 1.07, methods=methods)]
+    sequences = [
+        make_sequence("day", methods=methods),
+        make_sequence("night", 1.07, methods=methods),
+    ]
     write_report(
         folder / "report.html",
         sequences=sequences,
@@ -76,7 +84,7 @@ def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
-def test_page_is_well_formed_and_needs_nothing_else(text: str) -> None:
+def test_the_page_is_well_formed_and_self_contained(text: str) -> None:
     page = Page(text)
     assert page.open == []
     assert all(link.startswith(("#", "data:image/png;base64,")) for link in page.links)
@@ -85,62 +93,66 @@ def test_page_is_well_formed_and_needs_nothing_else(text: str) -> None:
     assert len(text) < 5e6
 
 
-def test_names_of_the_figures_do_not_collide_and_all_that_is_named_is_there(text: str) -> None:
+def test_ids_are_unique_and_every_reference_has_a_target(text: str) -> None:
     page = Page(text)
-    assert len(page.names) == len(set(page.names))
+    assert len(page.ids) == len(set(page.ids))
     used = {link[1:] for link in page.links if link.startswith("#")}
     used |= set(re.findall(r"url\(#([^)]*)\)", text))
-    assert used <= set(page.names)
+    assert used <= set(page.ids)
     assert used
 
 
-def test_claims_come_first_then_figures_then_numbers(text: str) -> None:
+def test_the_page_has_claims_then_figures_then_numbers(text: str) -> None:
     assert text.count("<svg") == len(FIGURES)
     order = [text.index(f'id="{name}"') for name in ("claims", "figures", "numbers", "parameters")]
     assert text.index('class="lead"') < order[0]
     assert order == sorted(order)
     for claim in CLAIMS:
-        for words in (claim.statement, claim.where, claim.evidence, claim.holds):
-            assert escape(words) in text
+        for part in (claim.statement, claim.where, claim.evidence, claim.holds):
+            assert html(part) in text
     for figure in FIGURES:
-        assert escape(figure.counterpart) in text
+        assert html(figure.counterpart) in text
 
 
 def test_data_is_escaped(text: str) -> None:
     for raw in ("<two>", "<own>", "<script>", "'a & b'"):
         assert raw not in text
-        assert escape(raw) in text
+        assert html(raw) in text
 
 
-def test_numbers_and_parameters_are_there(text: str) -> None:
+def test_the_page_has_numbers_and_parameters(text: str) -> None:
     assert "2.01 to 5.99" not in text
     assert "1.52 to 6.48" in text  # velocity errors of 3, 4 and 5 px/s
     assert "crossing.omega_rad_s" in text
-    assert "Table I" in text  # what the fly's configuration says of itself
+    assert "Table I" in text  # from the docstring of the fly's configuration
     assert "numba" in text
 
 
-def test_figures_are_drawn_where_none_are_given(
+def test_the_first_paragraph_groups_the_claims_by_verdict(text: str) -> None:
+    assert "This study examines 4 claims" in text
+    assert "<b>1 holds in part:</b> GRMS rises." in text
+
+
+def test_figures_are_drawn_if_none_are_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("scenarios.study.figures.all_figures.FIGURES", FIGURES[2:3])
-    sequences = [a_sequence(methods=(FLY,), seeds=(0,))]
+    sequences = [make_sequence(methods=(FLY,), seeds=(0,))]
     path = tmp_path / "report.html"
     write_report(path, sequences=sequences, rows=study_rows(sequences), claims=[], parameters={})
-    assert path.read_text(encoding="utf-8").count("<svg") == 1
+    text = path.read_text(encoding="utf-8")
+    assert text.count("<svg") == 1
+    assert "examines no claim" in text
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_paragraph_says_what_holds_and_what_does_not() -> None:
-    words = what_holds(CLAIMS)
-    assert words.startswith("Of the 4 claims of the paper")
-    for part in (
-        "<b>1 holds:</b> Events beat frames.",
-        "<b>1 holds in part:</b> GRMS rises.",
-        "<b>1 does not hold:</b> It costs less.",
-        "<b>1 was not tested:</b> It runs on an M4.",
-    ):
-        assert part in words
-    twice = what_holds([replace(CLAIMS[0], statement="a < b")] * 2)
-    assert "<b>2 hold:</b> a &lt; b; a &lt; b." in twice
-    assert what_holds([]) == "No claim of the paper is looked at here."
+def test_claims_are_grouped_by_verdict() -> None:
+    assert verdict_groups(CLAIMS) == [
+        ("1 holds", "Events beat frames"),
+        ("1 holds in part", "GRMS rises"),
+        ("1 does not hold", "It costs less"),
+        ("1 was not tested", "It runs on an M4"),
+    ]
+    twice = [replace(CLAIMS[0], statement="a"), replace(CLAIMS[0], statement="b")]
+    assert verdict_groups(twice) == [("2 hold", "a; b")]
+    assert verdict_groups([]) == []

@@ -1,0 +1,206 @@
+"""Print estimates while a recording is read: as a table on the terminal, or as JSON."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import IO, Any, Self, TextIO
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from detector.estimate import MotionEstimate
+from flybench.direction import Direction
+from formats import EventFile
+from scenarios.detect.verdict import RecordingVerdict
+from scenarios.recording.entities import ARROW
+
+PAGE_ROWS = 50
+"""Rows of the table that are printed at a time."""
+_COLUMNS = (("time [s]", 13), ("HS", 7), ("VS", 7), ("direction", 10), ("strength", 9))
+
+
+class EstimatePrinter(ABC):
+    """Prints estimates as they come, then a summary; use it as a context manager."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    @abstractmethod
+    def __exit__(self, *_: object) -> None:
+        """Release all resources."""
+
+    @abstractmethod
+    def add(self, estimate: MotionEstimate) -> None:
+        """Print or store an estimate."""
+
+    @abstractmethod
+    def finish(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Print the rest and the summary.
+
+        Args:
+            file: the recording, read to its end.
+            method: name of the detector.
+            scaled: parameters of the detector that were scaled, by name.
+            verdict: verdict over all estimates.
+        """
+
+
+class EstimateTable(EstimatePrinter):
+    """Prints a table page by page while the recording is read."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._pending: list[MotionEstimate] = []
+        self._has_header = False
+
+    def __exit__(self, *_: object) -> None:
+        self._flush()
+
+    def add(self, estimate: MotionEstimate) -> None:
+        """Add a row, and print the page if it is full."""
+        self._pending.append(estimate)
+        if len(self._pending) >= PAGE_ROWS:
+            self._flush()
+
+    def finish(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Print the last page and a summary table."""
+        self._flush()
+        self._console.print(_summary_table(file, method, scaled, verdict))
+
+    def _flush(self) -> None:
+        if not self._pending:
+            return
+        table = Table(box=None, show_header=not self._has_header, pad_edge=False)
+        for name, width in _COLUMNS:
+            justify: Any = "left" if name == "direction" else "right"
+            table.add_column(name, justify=justify, width=width)
+        for e in self._pending:
+            direction = f"{ARROW.get(e.direction, ' ')} {e.direction.value}"
+            table.add_row(
+                f"{e.t_us * 1e-6:.3f}",
+                f"{e.hs:+.3f}",
+                f"{e.vs:+.3f}",
+                direction,
+                f"{e.strength:.3f}",
+                style="dim" if e.direction is Direction.NONE else None,
+            )
+        self._console.print(table)
+        self._has_header, self._pending = True, []
+
+
+class EstimateJson(EstimatePrinter):
+    """Prints one JSON document at the end; estimates are kept in a temporary file until then."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._file: IO[str] = tempfile.TemporaryFile(  # noqa: SIM115  (closed on exit)
+            "w+", encoding="utf-8"
+        )
+        self._file.write('{"steps": [')
+        self._separator = "\n"
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def add(self, estimate: MotionEstimate) -> None:
+        """Add an estimate to the document."""
+        self._file.write(self._separator + json.dumps(_estimate_json(estimate)))
+        self._separator = ",\n"
+
+    def finish(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Complete the document and print it."""
+        tail = {
+            "direction": verdict.direction.value,
+            "share": verdict.share,
+            "method": method,
+            "scaled": dict(scaled),
+            "file": {"name": str(file.path), **_file_json(file)},
+        }
+        self._file.write("\n], " + json.dumps(tail)[1:] + "\n")
+        self._file.seek(0)
+        shutil.copyfileobj(self._file, self._stream)
+        self._stream.flush()
+
+
+def _estimate_json(estimate: MotionEstimate) -> dict[str, Any]:
+    e = estimate
+    return {
+        "t_us": int(e.t_us),
+        "hs": float(e.hs),
+        "vs": float(e.vs),
+        "direction": e.direction.value,
+        "strength": float(e.strength),
+    }
+
+
+def _file_json(file: EventFile) -> dict[str, Any]:
+    found = file.statistics
+    return {
+        "format": file.format,
+        "width": file.width,
+        "height": file.height,
+        "size_from": file.size_from,
+        "header": file.header_facts,
+        "origin_us": file.origin_us,
+        "events": found.events,
+        "first_us": found.first_us,
+        "last_us": found.last_us,
+        "rate_hz": found.rate_hz,
+        "on_share": found.on_share,
+        "frames": found.frames,
+    }
+
+
+def _file_rows(file: EventFile) -> list[tuple[str, str]]:
+    """Return the rows of the summary table about the file."""
+    found = file.statistics
+    rows = [
+        ("format", file.format),
+        ("sensor", f"{file.width} × {file.height} px, from {file.size_from}"),
+        ("events", f"{found.events:,} in {found.span_us * 1e-6:,.3f} s"),
+        ("time", f"{found.first_us * 1e-6:,.6f} s to {found.last_us * 1e-6:,.6f} s"),
+        ("rate", f"{found.rate_hz * 1e-3:,.1f} kev/s"),
+        ("ON, OFF", f"{found.on_share:.1%}, {1 - found.on_share:.1%}" if found.events else "none"),
+        ("x, y", f"{found.x_min} to {found.x_max}, {found.y_min} to {found.y_max}"),
+        ("frames", f"{found.frames:,}"),
+    ]
+    if file.origin_us:
+        rows.insert(4, ("time origin", f"{file.origin_us:,} µs in the file"))
+    return rows
+
+
+def _summary_table(
+    file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+) -> Table:
+    table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
+    for name, value in _file_rows(file):
+        table.add_row(name, value)
+    for name, value in file.header_facts.items():
+        table.add_row(escape(f"header: {name}"), escape(value))
+    table.add_section()
+    table.add_row("method", escape(method))
+    if scaled:
+        table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
+    table.add_row("estimates", _counts(verdict))
+    direction = verdict.direction
+    share = f", {verdict.share:.0%} of the strength of all directions" if verdict.share else ""
+    arrow = ARROW.get(direction, "")
+    table.add_row("verdict", f"[bold]{arrow} {direction.value}[/bold]{share}")
+    return table
+
+
+def _counts(verdict: RecordingVerdict) -> str:
+    counts = sorted(verdict.counts.items(), key=lambda item: -item[1])
+    parts = ", ".join(f"{count:,} {direction.value}" for direction, count in counts)
+    return f"{verdict.steps:,}" + (f": {parts}" if parts else "")

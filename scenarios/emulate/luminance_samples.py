@@ -1,0 +1,105 @@
+"""Convert pictures to the luminance samples that the sensor takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from emulator.grey_levels import Transfer
+from scenarios.emulate.motion import MotionMeter, interpolated, interpolation_count
+from scenarios.emulate.picture_luminance import F32, sensor_luminance
+from scenarios.emulate.pictures import Pictures
+from sim.motion.sample_times import MIN_STEP_US
+
+ACCURATE_PX = 1.0
+"""Motion between frames above which events are early or late by up to a frame [px]; see
+`scenarios.emulate.motion`."""
+STEP_PX = 0.5
+"""Largest motion between samples with interpolation [px], as in the simulation."""
+
+
+@dataclass
+class MotionStatistics:
+    """Statistics of the motion between consecutive frames.
+
+    Attributes:
+        pairs: number of pairs of consecutive frames.
+        inaccurate: number of pairs with a motion above `ACCURATE_PX`.
+        max_px: largest motion [px].
+        interpolated: number of interpolated frames.
+    """
+
+    pairs: int = 0
+    inaccurate: int = 0
+    max_px: float = 0.0
+    interpolated: int = 0
+
+    def add(self, motion_px: float) -> None:
+        """Include a pair of frames."""
+        self.pairs += 1
+        self.inaccurate += motion_px > ACCURATE_PX
+        self.max_px = max(self.max_px, motion_px)
+
+
+@dataclass(frozen=True, eq=False)
+class LuminanceSample:
+    """Luminance on the sensor at one time.
+
+    Attributes:
+        t_us: time since the first frame [µs].
+        luminance: (rows, columns) float32 luminance [cd/m²].
+        frame: number of the last frame that was read for it, counted from 0.
+    """
+
+    t_us: int
+    luminance: F32
+    frame: int
+
+
+def luminance_samples(
+    pictures: Pictures,
+    *,
+    fps: float,
+    size: tuple[int, int],
+    white_cd_m2: float,
+    transfer: Transfer,
+    interpolate: bool,
+    motion: MotionStatistics,
+) -> Iterator[LuminanceSample]:
+    """Yield the luminance on the sensor at every frame and, if interpolated, between frames.
+
+    Args:
+        pictures: the frames.
+        fps: frames per second.
+        size: columns and rows of the sensor [px].
+        white_cd_m2: luminance of the highest grey level [cd/m²].
+        transfer: relation of grey levels to luminance.
+        interpolate: True to interpolate frames so that nothing moves more than `STEP_PX` at once.
+        motion: statistics to update.
+
+    Yields:
+        Samples in order of time.
+
+    Raises:
+        ScenarioError: a picture is damaged, or has an invalid luminance.
+        FrameError: `white_cd_m2` is out of range.
+    """
+    meter, before = MotionMeter(white_cd_m2), None
+    for frame, picture in enumerate(pictures):
+        luminance = sensor_luminance(
+            picture, size=size, white_cd_m2=white_cd_m2, transfer=transfer, frame=frame
+        )
+        t_us = round(frame * 1e6 / fps)
+        if before is not None:
+            last_us = round((frame - 1) * 1e6 / fps)
+            forward_px = meter.flow_px(before, luminance)
+            motion_px = meter.motion_px(before, luminance, forward_px)
+            motion.add(motion_px)
+            limit = max(0, (t_us - last_us) // MIN_STEP_US - 1)
+            count = min(limit, interpolation_count(motion_px, STEP_PX)) if interpolate else 0
+            backward_px = meter.flow_px(luminance, before) if count else forward_px
+            for share, mixed in interpolated(before, luminance, forward_px, backward_px, count):
+                motion.interpolated += 1
+                yield LuminanceSample(round(last_us + share * (t_us - last_us)), mixed, frame)
+        yield LuminanceSample(t_us, luminance, frame)
+        before = luminance

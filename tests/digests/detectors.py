@@ -1,0 +1,98 @@
+"""Digests of what every detector says of one stream."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import StrEnum
+from functools import lru_cache, partial
+from typing import Any
+
+from detector.estimate import Detector, MotionEstimate
+from detector.fly.config import FlyConfig
+from detector.fly.detector import FlyDetector
+from detector.fly.model_variants import (
+    Attention,
+    Averaging,
+    GrmsOf,
+    LocalMotion,
+    Normalisation,
+    Offsets,
+    PairLocation,
+    RegionActivity,
+    TimeSurface,
+)
+from detector.metrics import grms
+from emulator import EventSensor, SensorOutput
+from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.registry import DETECTORS, FLY
+from scenarios.pipeline.user_detectors import find_method
+from tests.digests.exact import Case
+from tests.digests.sensor import drawn_light
+
+WIDTH, HEIGHT = 346, 260
+READINGS: dict[str, type[StrEnum]] = {
+    "time_surface": TimeSurface,
+    "averaging": Averaging,
+    "offsets": Offsets,
+    "pair_location": PairLocation,
+    "attention": Attention,
+    "local_motion": LocalMotion,
+    "roi_activity": RegionActivity,
+    "normalisation": Normalisation,
+}
+OTHERS: dict[str, dict[str, Any]] = {
+    "neighbourhood": {"neighbourhood_px": 1},
+    "radius": {"roi_radius_px": 150},
+    "floors": {"snr_floor": 0.0, "share_floor": 0.0, "saliency_floor": 0.0},
+    "delays": {"further_delays_us": (100_000,), "cell_px": 5},
+}
+
+
+@lru_cache
+def stream() -> list[SensorOutput]:
+    """What a DAVIS346 gives for the drawn light."""
+    return list(EventSensor(seed=2).stream(drawn_light(WIDTH, HEIGHT)))
+
+
+def said(detector: Detector) -> list[MotionEstimate]:
+    """All that a detector says of the stream, which it reads step by step."""
+    estimates: list[MotionEstimate] = []
+    until_us = 1
+    for output in stream():
+        estimates += feed(
+            detector, output.events, until_us=until_us, frames=output.aps_frames, earlier=estimates
+        )
+        until_us += 2_000
+    return estimates
+
+
+def of_method(name: str) -> list[MotionEstimate]:
+    """What a method says."""
+    return said(find_method(name).make(width=WIDTH, height=HEIGHT))
+
+
+def of_fly(config: FlyConfig) -> list[MotionEstimate]:
+    """What a fly of other parameters says."""
+    return said(FlyDetector(config, width=WIDTH, height=HEIGHT))
+
+
+def gradients() -> list[float | None]:
+    """The fly's GRMS in both readings."""
+    return [grms(of_method(FLY), crossing_us=(100_000, 400_000), of=of) for of in GrmsOf]
+
+
+def _fly_case(**changes: Any) -> Case:
+    return Case(partial(of_fly, replace(FlyConfig(), **changes)))
+
+
+CASES: dict[str, Case] = (
+    {f"detector.{name}": Case(partial(of_method, name)) for name in DETECTORS}
+    | {
+        f"detector.fly.{field}_{value.value}": _fly_case(**{field: value})
+        for field, choices in READINGS.items()
+        for value in choices
+        if value != getattr(FlyConfig(), field)
+    }
+    | {f"detector.fly.{name}": _fly_case(**changes) for name, changes in OTHERS.items()}
+    | {"detector.grms": Case(gradients)}
+)

@@ -1,0 +1,38 @@
+"""The built-in detectors."""
+
+import pytest
+
+from detector.contrast_maximisation.detector import ContrastMaximisation
+from detector.estimate import FrameDetector
+from detector.fly.config import FlyConfig
+from detector.fly.detector import FlyDetector
+from detector.frame_fly.detector import FrameFly
+from detector.plane_fit.detector import PlaneFit
+from scenarios.pipeline.registry import DETECTORS
+
+
+@pytest.mark.parametrize(("name", "preset"), [("fly", "paper"), ("wide", "wide")])
+def test_the_fly_has_a_name_for_each_preset(name: str, preset: str) -> None:
+    fly = DETECTORS[name].make(width=346, height=260)
+    assert isinstance(fly, FlyDetector)
+    assert fly.config == FlyConfig.preset(preset)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("frame-fly", FrameFly),
+        ("frame-fly-coarse", FrameFly),
+        ("contrast-maximisation", ContrastMaximisation),
+        ("plane-fit", PlaneFit),
+    ],
+)
+def test_every_baseline_has_a_name(name: str, kind: type) -> None:
+    assert isinstance(DETECTORS[name].make(width=64, height=48), kind)
+
+
+def test_every_entry_describes_its_detector() -> None:
+    for entry in DETECTORS.values():
+        detector = entry.make(width=346, height=260)
+        assert detector.config == entry.config  # type: ignore[attr-defined]
+        assert isinstance(detector, FrameDetector) == entry.looks_at_frames
