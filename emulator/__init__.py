@@ -1,8 +1,9 @@
-"""A DAVIS346 in software: luminance of a scene in, events with causes and APS frames out.
+"""An event sensor in software: luminance of a scene in; events, their causes and frames out.
 
-`Davis346` is the whole sensor. The order of the light through the files: `optics`,
-`photoreceptor`, `change_detector`, `noise` (put together for one pixel by `pixel`, for many by
-`batch` and `crossings`, for all by `scan` and `pixel_step`), `arbiter`, and `aps`.
+`EventSensor` is the whole sensor, `SensorConfig` its parameters, and `preset` returns those of
+known sensors. Light passes through the folders in this order: `pixel` (optics, photoreceptor,
+change detector, noise) and `readout` for the events; `aps` for the frames. `characterisation`
+measures the data sheet of a sensor.
 """
 
 from emulator.aps.config import ApsConfig
@@ -12,8 +13,9 @@ from emulator.config import SensorConfig
 from emulator.errors import EmulatorError, FitError, FrameError, SensorConfigError
 from emulator.grey_levels import luminance_of
 from emulator.presets import preset
-from emulator.readout.arbiter import Readout
-from emulator.sensor import Davis346, SensorOutput
+from emulator.readout.config import ReadoutConfig, ReadoutKind
+from emulator.readout.stats import ReadoutStats
+from emulator.sensor import Davis346, EventSensor, SensorOutput
 from flybench.errors import EventError
 from flybench.events import EVENT_DTYPE, Cause, Events, check_events, empty_events
 
@@ -27,10 +29,13 @@ __all__ = [
     "Davis346",
     "EmulatorError",
     "EventError",
+    "EventSensor",
     "Events",
     "FitError",
     "FrameError",
-    "Readout",
+    "ReadoutConfig",
+    "ReadoutKind",
+    "ReadoutStats",
     "SensorConfig",
     "SensorConfigError",
     "SensorOutput",

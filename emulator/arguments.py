@@ -1,4 +1,4 @@
-"""Checks of what several functions take: a sensor, a seed, a number of threads."""
+"""Checks of arguments that several functions take: a sensor, a seed, a number of threads."""
 
 from __future__ import annotations
 
@@ -7,48 +7,45 @@ from typing import Any
 
 from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
+from flybench.checks import Range
 
 THREADS_MAX = 64
-"""Most threads that a sensor takes (assumed: more than any of them can use)."""
+"""Largest number of threads of a sensor (assumed: more than any sensor can use)."""
+
+_THREADS = Range(1, THREADS_MAX, remedy="Give one for each core that the sensor may use.")
 
 
 def check_config(config: Any) -> SensorConfig:
-    """Refuse what is no sensor.
+    """Return the configuration of a sensor if it is one.
 
     Raises:
         SensorConfigError: it is no `SensorConfig`.
     """
     if not isinstance(config, SensorConfig):
         raise SensorConfigError(
-            f"the sensor is {config!r}; allowed is a SensorConfig; make one, or take one by "
-            "name with preset, such as preset('davis346')"
+            f"the sensor is {config!r}. Allowed is a SensorConfig. Make one, or take a known one "
+            "by its name, such as preset('davis346')."
         )
     return config
 
 
 def check_seed(seed: Any) -> int:
-    """Refuse what cannot seed anything; returns a Python integer.
+    """Return the seed as a Python integer if it is valid.
 
     Raises:
         SensorConfigError: it is negative or no integer.
     """
     if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
         raise SensorConfigError(
-            f"the seed is {seed!r}; allowed is a whole number from 0; choose one, such as 1"
+            f"the seed is {seed!r}. Allowed is a whole number from 0. Choose one, such as 1."
         )
     return int(seed)
 
 
 def check_threads(threads: Any) -> int:
-    """Refuse what is no number of threads; returns a Python integer.
+    """Return the number of threads as a Python integer if it is valid.
 
     Raises:
         SensorConfigError: it is no integer from 1 to `THREADS_MAX`.
     """
-    whole = isinstance(threads, Integral) and not isinstance(threads, bool)
-    if not whole or not 1 <= threads <= THREADS_MAX:
-        raise SensorConfigError(
-            f"threads is {threads!r}; allowed is a whole number from 1 to {THREADS_MAX}; "
-            "give one for each core that the sensor may use"
-        )
-    return int(threads)
+    return int(_THREADS.check("threads", threads, SensorConfigError))

@@ -1,27 +1,27 @@
-"""Bias currents, as a DAVIS takes them, and what they set: thresholds, bandwidth, reset.
+"""The bias currents of a DAVIS, and what they set: thresholds, bandwidths, refractory period.
 
-A bias is a coarse code, a master current halved three times a step, and a fine code that divides
-it (libcaer's table of coarse currents). The formulas:
+A bias has a coarse code, which selects one of eight currents, each about 8 times the one before
+(libcaer's table of coarse currents), and a fine code, which divides that current. The formulas:
 
 - threshold θ = (κ_n/κ_p²)·(C2/C1)·ln(I/I_d), with I of the ON or OFF comparator and I_d of the
   differencing amplifier (Nozaki, Delbruck, IEEE TED 64(8), 2017); κ_n = κ_p = 0.7, C1/C2 = 20;
 - bandwidth of the source follower f = I_sf/(2π·U_T·C1), C1 = 131 fF, U_T = 25 mV, which holds
-  while it is slower than the photoreceptor before it;
-- bandwidth of the photoreceptor in bright light, in proportion to its bias current PrBp
-  (Lichtsteiner 2008: the bias of the receptor's amplifier limits it there); 3 kHz at the maker's
-  default code (assumed: Lichtsteiner's figure, taken to hold for the DAVIS346 at that code);
+  while the follower is slower than the photoreceptor before it;
+- bandwidth of the photoreceptor in bright light, proportional to its bias current PrBp
+  (Lichtsteiner 2008: the bias of the photoreceptor's amplifier limits it there); 3 kHz at the
+  maker's default code (assumed: Lichtsteiner's value, taken to hold for the DAVIS346 at that code);
 - refractory period C·U/I_refr, C = 20 fF, U = 0.8 V.
 
 The constants are those of jAER's estimates for the DAVIS, which its authors call guesses. The
 thresholds that they give at the maker's defaults (0.28 and 0.26) are higher than the 0.18 and 0.22
-that v2e found for them, and that our default configuration has.
+that v2e found for these defaults, and that `SensorConfig` uses.
 
 The default codes are those that libcaer, the maker's library, sends to a DAVIS346. Other programs
-send others: a driver for ROS has OnBn (6, 200) and PrSFBp (1, 33), for a threshold of 0.41 and a
-follower twice as fast.
+send others: a driver for ROS sets OnBn to (6, 200) and PrSFBp to (1, 33), which gives a threshold
+of 0.41 and a follower twice as fast.
 
-No bias touches the noise: the rate of shot noise is a function of light alone
-(`emulator.pixel.noise`), where in a real pixel lower thresholds and a wider bandwidth let more
+Biases do not change the noise: the rate of shot noise is a function of illuminance alone
+(`emulator.pixel.noise`). In a real pixel, lower thresholds and a wider bandwidth let more noise
 through.
 """
 
@@ -53,8 +53,8 @@ class Bias:
 
     Attributes:
         coarse: coarse code, 0 to 7.
-        fine: fine code, 0 to 255; 0 is taken to leave one step of current (assumed, since OffBn
-            is 0 by default in the maker's DAVIS240, which works).
+        fine: fine code, 0 to 255; 0 gives the current of 1 (assumed, since OffBn is 0 by default
+            in the maker's DAVIS240, which works).
 
     Raises:
         SensorConfigError: a code is outside its range.
@@ -75,30 +75,29 @@ class Bias:
 
     @property
     def current_a(self) -> float:
-        """The current [A]."""
+        """Bias current [A]."""
         return COARSE_PA[self.coarse] * 1e-12 * max(self.fine, 1) / _FINE_STEPS
 
 
 _PHOTORECEPTOR = Bias(2, 58)
-"""Code of PrBp at which `_LIMIT_HZ` is taken to hold: libcaer's default; that it gives 3 kHz is
-assumed."""
+"""Code of PrBp that gives `_LIMIT_HZ` (assumed): libcaer's default."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Biases:
-    """The biases that shape events; the defaults are those of libcaer for the DAVIS346.
+    """The biases of the event pixels; the defaults are those of libcaer for the DAVIS346.
 
     Attributes:
-        diff: of the differencing amplifier (DiffBn).
-        on: of the ON comparator (OnBn).
-        off: of the OFF comparator (OffBn).
-        photoreceptor: of the photoreceptor's amplifier (PrBp).
-        follower: of the source follower behind the photoreceptor (PrSFBp).
-        refractory: of the reset (RefrBp).
+        diff: bias of the differencing amplifier (DiffBn).
+        on: bias of the ON comparator (OnBn).
+        off: bias of the OFF comparator (OffBn).
+        photoreceptor: bias of the photoreceptor's amplifier (PrBp).
+        follower: bias of the source follower behind the photoreceptor (PrSFBp).
+        refractory: bias of the reset (RefrBp).
 
     Raises:
-        SensorConfigError: one is no `Bias`, or ON is not above the differencing amplifier, or OFF
-            not below it: the pixel would fire without end.
+        SensorConfigError: a value is no `Bias`; or ON is not above the differencing amplifier, or
+            OFF not below it, in which case the pixel would fire without end.
     """
 
     diff: Bias = Bias(4, 39)
@@ -113,8 +112,8 @@ class Biases:
             bias = getattr(self, each.name)
             if not isinstance(bias, Bias):
                 raise SensorConfigError(
-                    f"the bias {each.name} is {bias!r}; allowed is a Bias; "
-                    "give one, such as Bias(5, 255)"
+                    f"the bias {each.name} is {bias!r}. Allowed is a Bias. Give one, such as "
+                    "Bias(5, 255)."
                 )
         theta = Range(0.01, 10.0, remedy="Set OnBn well above DiffBn, and OffBn well below it.")
         for name in ("theta_on", "theta_off"):
@@ -122,19 +121,19 @@ class Biases:
 
     @classmethod
     def preset(cls, name: str) -> Self:
-        """The maker's defaults for a sensor.
+        """Return the maker's defaults for a sensor.
 
         Args:
             name: `davis346` or `davis240`, which differ in OffBn alone (libcaer).
 
         Raises:
-            SensorConfigError: another name.
+            SensorConfigError: unknown name.
         """
         known = {"davis346": cls(), "davis240": cls(off=Bias(4, 0))}
         if name not in known:
             raise SensorConfigError(
-                f"the biases are those of {name!r}; allowed is one of {', '.join(known)}; give "
-                "single biases instead, such as Biases(on=Bias(5, 255))"
+                f"the preset of the biases is {name!r}. Allowed is one of {', '.join(known)}. "
+                "Choose one, or give single biases, such as Biases(on=Bias(5, 255))."
             )
         return known[name]
 
@@ -165,27 +164,27 @@ class Biases:
 
 
 def with_biases(config: SensorConfig, biases: Biases) -> SensorConfig:
-    """A sensor whose thresholds, bandwidths and refractory period come from bias currents.
+    """Return a sensor with thresholds, bandwidths and refractory period set from bias currents.
 
-    All of them do, whichever bias was named: the others are the maker's defaults, whose thresholds
-    and follower are not those of `SensorConfig`.
+    All biases take effect together. Those that are not given are the maker's defaults, which give
+    other thresholds and another follower than `SensorConfig` does.
 
     Args:
-        config: the sensor otherwise.
-        biases: its bias currents.
+        config: all other parameters of the sensor.
+        biases: bias currents.
 
     Returns:
-        The configuration in plain numbers; the refractory period is rounded to 1 µs.
+        The configuration, with the refractory period rounded to 1 µs.
 
     Raises:
-        SensorConfigError: the sensor or the biases are none, or the biases lead out of the range
-            of a parameter.
+        SensorConfigError: an argument has the wrong type, or the biases put a parameter out of its
+            range.
     """
     check_config(config)
     if not isinstance(biases, Biases):
         raise SensorConfigError(
-            f"the biases are {biases!r}; allowed is a Biases; make one, such as "
-            "Biases(on=Bias(5, 255)), or Biases() for the maker's defaults"
+            f"the biases are {biases!r}. Allowed is a Biases. Make one, such as "
+            "Biases(on=Bias(5, 255)), or Biases() for the maker's defaults."
         )
     return replace(
         config,

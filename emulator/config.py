@@ -1,9 +1,10 @@
-"""What a DAVIS346 is: every parameter of the event pixels, with its source or the word assumed.
+"""The parameters of an event sensor, each with its source or the word assumed.
 
 Sources: Lichtsteiner 2008 = Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008 (DVS128);
 Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240); Nozaki 2017 = Nozaki, Delbruck,
 IEEE TED 64(8), 2017 (leak); Joubert 2021 = Joubert et al., Front. Neurosci. 15, 2021 (background
-activity recorded from 50×50 pixels); v2e = Hu, Liu, Delbruck, CVPRW 2021.
+activity recorded from 50×50 pixels); Taverni 2018 = Taverni et al., IEEE TCAS-II 65(5), 2018
+(DAVIS346); v2e = Hu, Liu, Delbruck, CVPRW 2021.
 """
 
 from __future__ import annotations
@@ -14,43 +15,43 @@ from typing import Self
 
 from emulator.aps.config import ApsConfig
 from emulator.errors import SensorConfigError
+from emulator.readout.config import UNLIMITED, ReadoutConfig
 from flybench.checks import Range, check_ranges
 
-UNLIMITED_HZ = 1e12
-"""Words a second from which on the bus is taken to have no limit."""
-
 _WARM_LEAK_HZ_MAX = 10_000.0
-"""Leak of a warm chip that is refused above (assumed: 100 000 times the published one)."""
+"""Highest leak of a warm chip that is accepted (assumed: 100 000 times the published one)."""
 
 REFERENCE_C = 25.0
-"""Temperature of the chip at which dark current and leak are given [°C]."""
+"""Temperature of the chip for which dark current and leak are given [°C]."""
 
 _RANGES = {
     "width": Range(1, 32767, remedy="Give whole pixels; events carry 16-bit coordinates."),
     "height": Range(1, 32767, remedy="Give whole pixels; events carry 16-bit coordinates."),
+    "pixel_pitch_um": Range(0.5, 1000.0, remedy="Give micrometres, such as 18.5."),
+    "focal_length_mm": Range(0.1, 10_000.0, remedy="Give millimetres, such as 6."),
     "f_number": Range(0.5, 64.0, remedy="Give the lens aperture as focal length over diameter."),
-    "transmission": Range(
-        0.01, 1.0, remedy="Give the share of the light that the lens lets through."
-    ),
+    "transmission": Range(0.01, 1.0, remedy="Give the fraction of the light that the lens passes."),
     "dark_lux": Range(
-        1e-6, 10.0, remedy="It must be positive, since it keeps the logarithm finite in the dark."
+        1e-6, 10.0, remedy="It must be positive: it keeps the logarithm finite in the dark."
     ),
-    "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(light), such as 0.18."),
+    "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(illuminance), such as 0.18."),
     "theta_off": Range(
-        0.01, 10.0, remedy="Give a change of ln(light) as a positive number, such as 0.22."
+        0.01, 10.0, remedy="Give a change of ln(illuminance) as a positive number, such as 0.22."
     ),
     "theta_mismatch": Range(
-        0.0, 1.0, remedy="Give a standard deviation in ln(light), such as 0.035."
+        0.0, 1.0, remedy="Give a standard deviation in ln(illuminance), such as 0.035."
     ),
     "bandwidth_hz_per_lux": Range(
-        1e-3, 1e15, remedy="Give the cutoff that one lux on the chip allows."
+        1e-3, 1e15, remedy="Give the cutoff frequency at one lux on the chip."
     ),
-    "bandwidth_limit_hz": Range(1e-3, 1e9, remedy="1e9 stands for no limit."),
-    "follower_hz": Range(0.0, 1e9, remedy="0 leaves the follower out."),
+    "bandwidth_limit_hz": Range(1e-3, 1e9, remedy="Use 1e9 for no limit."),
+    "follower_hz": Range(0.0, 1e9, remedy="Use 0 to leave the follower out."),
     "refractory_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 3."),
-    "leak_hz": Range(0.0, 1000.0, remedy="0 switches the leak in the dark off."),
-    "leak_hz_per_lux": Range(0.0, 1.0, remedy="0 switches the leak by light off."),
-    "shot_noise_scale": Range(0.0, 1000.0, remedy="0 switches shot noise off, 1 is as published."),
+    "leak_hz": Range(0.0, 1000.0, remedy="Use 0 to switch the leak in the dark off."),
+    "leak_hz_per_lux": Range(0.0, 1.0, remedy="Use 0 to switch the leak caused by light off."),
+    "shot_noise_scale": Range(
+        0.0, 1000.0, remedy="Use 0 to switch shot noise off, 1 for the published rates."
+    ),
     "temperature_c": Range(
         -60.0, 150.0, remedy="Give the temperature of the chip in °C, such as 25."
     ),
@@ -60,13 +61,11 @@ _RANGES = {
     "leak_doubling_k": Range(
         1.0, 100.0, remedy="Give the rise that doubles the junction leak, such as 7."
     ),
-    "readout_limit_hz": Range(1.0, 1e12, remedy="1e12 stands for no limit."),
-    "readout_latency_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 1."),
-    "dead_fraction": Range(0.0, 1.0, remedy="0 switches dead pixels off."),
-    "crazy_fraction": Range(0.0, 1.0, remedy="0 switches crazy pixels off."),
+    "dead_fraction": Range(0.0, 1.0, remedy="Use 0 for no dead pixels."),
+    "crazy_fraction": Range(0.0, 1.0, remedy="Use 0 for no crazy pixels."),
     "crazy_hz_min": Range(0.0, 100_000.0, remedy="Give the rate of the slowest crazy pixel."),
     "crazy_hz_max": Range(0.0, 100_000.0, remedy="Give the rate of the fastest crazy pixel."),
-    "hot_fraction": Range(0.0, 1.0, remedy="0 switches hot pixels off."),
+    "hot_fraction": Range(0.0, 1.0, remedy="Use 0 for no hot pixels."),
     "hot_hz_min": Range(0.0, 10_000.0, remedy="Give the rate of the slowest hot pixel."),
     "hot_hz_max": Range(0.0, 10_000.0, remedy="Give the rate of the fastest hot pixel."),
 }
@@ -74,50 +73,55 @@ _RANGES = {
 
 @dataclass(frozen=True, kw_only=True)
 class SensorConfig:
-    """A DAVIS346 behind a lens; the defaults are the real sensor with all its noise.
+    """An event sensor behind a lens; the defaults are a DAVIS346 with all its noise.
 
     Attributes:
         width: columns [px] (DAVIS346).
         height: rows [px] (DAVIS346).
+        pixel_pitch_um: distance between the centres of neighbouring pixels [µm] (Taverni 2018).
+        focal_length_mm: focal length of the lens [mm] (assumed: the lens of this bench). With the
+            pixel pitch it sets the field of view.
         f_number: lens aperture, focal length over diameter (assumed: a fast lens, for the night).
-        transmission: share of light that passes the lens (assumed: coated glass).
-        dark_lux: photodiode dark current as the illuminance on the chip that gives as much
-            current [lux]. Order of Lichtsteiner 2008: usable down to 0.1 lux on the scene through
-            f/1.2, which is 0.1/(4·1.2²) = 0.017 lux of white on the chip.
-        theta_on: rise of ln(current) that makes an ON event (v2e, from the maker's biases).
-        theta_off: fall of ln(current) that makes an OFF event (v2e, from the maker's biases).
-        theta_mismatch: standard deviation of either threshold over pixels (Brandli 2014: 3.5 %).
-            A threshold drawn below 0.01 is set to 0.01 (assumed): with a mismatch of the order of
-            the threshold, such as 1, the spread is no longer normal, and many pixels are at 0.01.
-        bandwidth_hz_per_lux: photoreceptor cutoff per lux on the chip [Hz/lux]. Assumed, from
-            f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of v2e's
-            night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that is light
-            on an 18 % grey scene through f/1.2 (31 lux on the chip).
+        transmission: fraction of the light that passes the lens (assumed: coated glass).
+        dark_lux: dark current of the photodiode, as the illuminance on the chip that gives the
+            same current [lux]. Its order follows from Lichtsteiner 2008: usable down to 0.1 lux on
+            the scene through f/1.2, which is 0.1/(4·1.2²) = 0.017 lux on the chip for a white
+            scene.
+        theta_on: rise of ln(current) that causes an ON event (v2e, from the maker's biases).
+        theta_off: fall of ln(current) that causes an OFF event (v2e, from the maker's biases).
+        theta_mismatch: standard deviation of either threshold over the pixels (Brandli 2014:
+            3.5 %). A threshold drawn below 0.01 is set to 0.01 (assumed): with a mismatch as large
+            as the threshold, such as 1, the spread is no longer normal, and many pixels are at
+            0.01.
+        bandwidth_hz_per_lux: cutoff of the photoreceptor per lux on the chip [Hz/lux]. Assumed,
+            from f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of
+            v2e's night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that
+            illuminates an 18 % grey scene seen through f/1.2 (31 lux on the chip).
         bandwidth_limit_hz: cutoff that the biases allow in bright light [Hz] (Lichtsteiner 2008).
         follower_hz: cutoff of the source follower behind the photoreceptor, which makes the pixel
-            second order, at some cost in speed [Hz]; 0 leaves it out (as v2e does).
+            second order and the emulation slower [Hz]; 0 leaves it out (as v2e does).
         refractory_us: time after an event during which a pixel is held in reset [µs] (maker's
             default biases).
-        leak_hz: ON events of the junction leak per pixel in the dark [Hz] (Nozaki 2017, v2e).
-        leak_hz_per_lux: ON events that parasitic photocurrent adds per lux on the chip [Hz/lux].
-            Fitted to Joubert 2021: 0.104 Hz ON at 161 lux and 0.172 Hz at 3 klux are, within
-            1 %, 0.1 Hz + 2.4e-5 Hz/lux, as the leak of Nozaki 2017 grows with light.
+        leak_hz: rate of ON events of the junction leak per pixel in the dark [Hz] (Nozaki 2017,
+            v2e).
+        leak_hz_per_lux: rate of ON events that parasitic photocurrent adds per lux on the chip
+            [Hz/lux]. Fitted to Joubert 2021: 0.104 Hz ON at 161 lux and 0.172 Hz at 3 klux are,
+            within 1 %, 0.1 Hz + 2.4e-5 Hz/lux, as the leak of Nozaki 2017 grows with light.
         shot_noise_scale: factor on the published shot noise rates (see `emulator.pixel.noise`).
-        hot_fraction: share of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
+        hot_fraction: fraction of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
         hot_hz_min: rate of the slowest hot pixel [Hz] (Joubert 2021).
         hot_hz_max: rate of the fastest hot pixel [Hz] (Joubert 2021).
         temperature_c: temperature of the chip [°C]. `dark_lux` and `leak_hz` are given at 25 °C
             (assumed) and grow with it (Nozaki 2017: both follow an Arrhenius law).
-        dark_doubling_k: rise that doubles the dark current [K] (assumed: silicon's 6 to 8 K).
+        dark_doubling_k: rise that doubles the dark current [K] (assumed: 6 to 8 K in silicon).
         leak_doubling_k: rise that doubles the junction leak [K] (assumed: as the dark current).
-        dead_fraction: share of pixels that never fire (assumed: none, the maker tests for them).
-        crazy_fraction: share of pixels that fire ON and OFF at random whatever the light
-            (assumed: none). Their events count as those of hot pixels.
+        dead_fraction: fraction of pixels that never fire (assumed: none, the maker tests for
+            them).
+        crazy_fraction: fraction of pixels that fire ON and OFF at random, whatever the light
+            (assumed: none). Their events count as events of hot pixels.
         crazy_hz_min: rate of the slowest crazy pixel [Hz] (assumed).
         crazy_hz_max: rate of the fastest crazy pixel [Hz] (assumed).
-        readout_limit_hz: words a second on the bus of the row arbiter, one for each event and one
-            for each row that is read [Hz] (the maker's documentation: about 12 million events).
-        readout_latency_us: from the grant of a row to its time stamp [µs] (assumed: less than 1).
+        readout: how events leave the chip.
         aps: the frame part of the sensor.
 
     Raises:
@@ -126,6 +130,8 @@ class SensorConfig:
 
     width: int = 346
     height: int = 260
+    pixel_pitch_um: float = 18.5
+    focal_length_mm: float = 6.0
     f_number: float = 1.4
     transmission: float = 0.9
     dark_lux: float = 0.01
@@ -149,20 +155,22 @@ class SensorConfig:
     crazy_fraction: float = 0.0
     crazy_hz_min: float = 100.0
     crazy_hz_max: float = 1000.0
-    readout_limit_hz: float = 12e6
-    readout_latency_us: int = 0
+    readout: ReadoutConfig = field(default_factory=ReadoutConfig)
     aps: ApsConfig = field(default_factory=ApsConfig)
 
     def __post_init__(self) -> None:
         check_ranges(self, _RANGES, SensorConfigError)
-        if not isinstance(self.aps, ApsConfig):
-            raise SensorConfigError(
-                f"aps is {self.aps!r}; allowed is an ApsConfig; leave it out for the default one"
-            )
-        self._check_pairs()
+        for name, kind in (("readout", ReadoutConfig), ("aps", ApsConfig)):
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise SensorConfigError(
+                    f"{name} is {value!r}. Allowed is a value of type {kind.__name__}. Leave it "
+                    "out for the default."
+                )
+        self._check_dependent()
 
-    def _check_pairs(self) -> None:
-        """Check values that depend on others."""
+    def _check_dependent(self) -> None:
+        """Check the values whose range depends on other values."""
         warm_leak_hz = Range(
             0.0,
             _WARM_LEAK_HZ_MAX,
@@ -178,6 +186,11 @@ class SensorConfig:
         )
 
     @property
+    def focal_length_px(self) -> float:
+        """Focal length of the lens in pixels."""
+        return self.focal_length_mm / self.pixel_pitch_um * 1e3
+
+    @property
     def warm_dark_lux(self) -> float:
         """Dark current at the temperature of the chip [lux]."""
         doublings = (self.temperature_c - REFERENCE_C) / self.dark_doubling_k
@@ -185,15 +198,15 @@ class SensorConfig:
 
     @property
     def warm_leak_hz(self) -> float:
-        """ON events of the junction leak per pixel at the temperature of the chip [Hz]."""
+        """Rate of ON events of the junction leak at the temperature of the chip [Hz]."""
         doublings = (self.temperature_c - REFERENCE_C) / self.leak_doubling_k
         return self.leak_hz * math.exp2(doublings)
 
     @classmethod
     def noise_free(cls, *, width: int = 346, height: int = 260) -> Self:
-        """The same sensor without leak, shot noise, hot or crazy pixels, or APS noise.
+        """Return a sensor without leak, shot noise, hot pixels, crazy pixels and APS noise.
 
-        Thresholds with their mismatch, bandwidth and refractory period stay.
+        Thresholds with their mismatch, bandwidth and refractory period are the defaults.
         """
         return cls(
             width=width,
@@ -208,12 +221,12 @@ class SensorConfig:
 
     @classmethod
     def ideal(cls, *, width: int = 346, height: int = 260) -> Self:
-        """The textbook pixel: no noise, no mismatch, no limits to bandwidth, rate or readout."""
+        """Return an ideal sensor: no noise, no mismatch, unlimited bandwidth, rate and readout."""
         return replace(
             cls.noise_free(width=width, height=height),
             theta_mismatch=0.0,
             bandwidth_hz_per_lux=1e15,
             bandwidth_limit_hz=1e9,
             refractory_us=0,
-            readout_limit_hz=UNLIMITED_HZ,
+            readout=UNLIMITED,
         )

@@ -10,12 +10,12 @@ class EmulatorError(FlybenchError):
 
 
 class SensorConfigError(EmulatorError):
-    """A sensor parameter is outside its range."""
+    """A sensor parameter is outside its range, or of another type."""
 
 
 class FrameError(EmulatorError):
-    """A luminance frame cannot be light: wrong shape, negative, not finite, or out of order."""
+    """A luminance frame is invalid: wrong shape, negative, not finite, or out of order in time."""
 
 
 class FitError(EmulatorError):
-    """What is known of a recording besides its events cannot be."""
+    """The size, duration or drift stated for a recording is impossible."""

@@ -1,70 +1,137 @@
-"""Sensors by name: real ones, the textbook's, and another emulator's in our model.
+"""Sensors by name: real chips, an ideal sensor, and the parameters of another emulator.
 
-Sources as in `emulator.config`; v2e's figures are those of its options `clean` and `noisy` (Hu,
-Liu, Delbruck, CVPRW 2021, and its code).
+Sources as in `emulator.config`, and: Posch 2011 = Posch, Matolin, Wohlgenannt, IEEE JSSC 46(1),
+2011, "A QVGA 143 dB dynamic range frame-free PWM image sensor" (ATIS); Son 2017 = Son et al., ISSCC
+2017, "A 640×480 dynamic vision sensor with a 9µm pixel and 300Meps address-event representation"
+(the chip family of the DVXplorer); Finateu 2020 = Finateu et al., ISSCC 2020, "A 1280×720
+back-illuminated stacked temporal contrast event-based vision sensor with 4.86µm pixels, 1.066GEPS
+readout" (IMX636); Gallego 2022 = Gallego et al., IEEE TPAMI 44(1), 2022, table of event cameras;
+libcaer, iniVation's driver; v2e's options `clean` and `noisy` in its code.
+
+All presets of real chips have the lens of this bench, 6 mm f/1.4 (assumed). Where a preset states
+nothing else, the pixels are those of the DAVIS346 (assumed): thresholds, mismatch, noise, bandwidth
+and refractory period depend on biases, and no source gives them all for the other chips.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal, get_args
 
 from emulator.aps.config import ApsConfig
-from emulator.config import UNLIMITED_HZ, SensorConfig
+from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
 from emulator.pixel.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
+from emulator.readout.config import UNLIMITED, ReadoutConfig, ReadoutKind
 
-PresetName = Literal["davis346", "davis240", "dvs128", "ideal", "v2e_clean", "v2e_noisy"]
-"""Names that `preset` knows."""
+PresetName = Literal[
+    "davis346",
+    "davis240",
+    "dvs128",
+    "atis",
+    "dvxplorer",
+    "gen31",
+    "imx636",
+    "ideal",
+    "v2e_clean",
+    "v2e_noisy",
+]
+"""Names that `preset` accepts."""
 
-WITHOUT_FRAMES: frozenset[PresetName] = frozenset({"dvs128"})
-"""Those of chips that give events only; the emulator's frames of them are to be left."""
+WITHOUT_FRAMES: frozenset[PresetName] = frozenset(
+    {"dvs128", "atis", "dvxplorer", "gen31", "imx636"}
+)
+"""Presets of chips without APS frames; ignore the frames that the emulator gives for them."""
 
-_NO_LIMIT_HZ_PER_LUX = 1e15
+_UNLIMITED_HZ_PER_LUX = 1e15
 _V2E_SHOT_HZ = 5.0
 
 
 def preset(name: PresetName) -> SensorConfig:
-    """The sensor of that name.
+    """Return the configuration of a sensor.
 
     Args:
-        name: `davis346`, the default; `davis240` and `dvs128`, its forebears; `ideal`, without
-            noise, mismatch and limits; `v2e_clean` and `v2e_noisy`, that emulator's parameters
-            in our model.
+        name: `davis346`, the default; `davis240` and `dvs128`, its predecessors; `atis`; the
+            `dvxplorer` of iniVation; Prophesee's `gen31` (VGA) and `imx636` (EVK4); `ideal`,
+            without noise, mismatch and limits; `v2e_clean` and `v2e_noisy`, the parameters of that
+            emulator in this model.
 
     Raises:
-        SensorConfigError: another name.
+        SensorConfigError: unknown name.
     """
     if name not in get_args(PresetName):
         raise SensorConfigError(
-            f"the preset is {name!r}; allowed is one of {', '.join(get_args(PresetName))}; "
-            "give single parameters to SensorConfig instead"
+            f"the preset is {name!r}. Allowed is one of {', '.join(get_args(PresetName))}. Choose "
+            "one, or give single parameters to SensorConfig."
         )
-    return {
-        "davis346": SensorConfig,
-        "davis240": _davis240,
-        "dvs128": _dvs128,
-        "ideal": SensorConfig.ideal,
-        "v2e_clean": _v2e_clean,
-        "v2e_noisy": _v2e_noisy,
-    }[name]()
+    return _PRESETS[name]()
 
 
 def _davis240() -> SensorConfig:
-    """DAVIS240 (Brandli 2014: 240×180, 18.5 µm, mismatch 3.5 %, 12 million events a second).
+    """DAVIS240 (Brandli 2014: 240×180, 18.5 µm, mismatch 3.5 %, 12 million events per second).
 
-    Thresholds, noise and frames are taken to be those of the DAVIS346, which has the same pixel.
+    Thresholds, noise and frames are assumed to be those of the DAVIS346, which has the same pixel.
     """
-    return SensorConfig(width=240, height=180, theta_mismatch=0.035, readout_limit_hz=12e6)
+    return SensorConfig(width=240, height=180, pixel_pitch_um=18.5, theta_mismatch=0.035)
 
 
 def _dvs128() -> SensorConfig:
-    """DVS128 (Lichtsteiner 2008: 128×128, mismatch 2.1 %, 3 kHz at 1 klux).
+    """DVS128 (Lichtsteiner 2008: 128×128, 40 µm, mismatch 2.1 %, 3 kHz at 1 klux).
 
     Assumed: thresholds and noise of the DAVIS346, since the paper varies its thresholds; a bus of
-    one million events a second, as users report. It has no frames: those it gives are to be left.
+    one million events per second, as users report.
     """
-    return SensorConfig(width=128, height=128, theta_mismatch=0.021, readout_limit_hz=1e6)
+    return SensorConfig(
+        width=128,
+        height=128,
+        pixel_pitch_um=40.0,
+        theta_mismatch=0.021,
+        readout=ReadoutConfig(limit_hz=1e6),
+    )
+
+
+def _atis() -> SensorConfig:
+    """ATIS (Posch 2011: 304×240, 30 µm).
+
+    Its change detector alone: the exposure measurement that each event starts is not modelled.
+    Assumed: the row arbiter and the bus of the DAVIS346, in place of a handshake for every event.
+    """
+    return SensorConfig(width=304, height=240, pixel_pitch_um=30.0)
+
+
+def _dvxplorer() -> SensorConfig:
+    """DVXplorer (libcaer: 640×480, semi-synchronous readout; Son 2017: 9 µm).
+
+    The readout is a scan of the whole array with libcaer's default timing; see `ReadoutConfig`.
+    """
+    return SensorConfig(
+        width=640,
+        height=480,
+        pixel_pitch_um=9.0,
+        readout=ReadoutConfig(kind=ReadoutKind.SCAN, scan_period_us=194),
+    )
+
+
+def _gen31() -> SensorConfig:
+    """Prophesee Gen3.1 (Gallego 2022, Gen3 CD: 640×480, 15 µm, 66 million events per second).
+
+    Assumed: its readout is the row arbiter.
+    """
+    return SensorConfig(
+        width=640, height=480, pixel_pitch_um=15.0, readout=ReadoutConfig(limit_hz=66e6)
+    )
+
+
+def _imx636() -> SensorConfig:
+    """Sony IMX636 of the EVK4 (Finateu 2020: 1280×720, 4.86 µm, 1.066 billion events per second).
+
+    Assumed: its readout is the row arbiter. Its event rate controller and its filters are not
+    modelled; a lower `readout.limit_hz` stands for a limited rate.
+    """
+    return SensorConfig(
+        width=1280, height=720, pixel_pitch_um=4.86, readout=ReadoutConfig(limit_hz=1.066e9)
+    )
 
 
 def _v2e_clean() -> SensorConfig:
@@ -75,21 +142,35 @@ def _v2e_clean() -> SensorConfig:
 def _v2e_noisy() -> SensorConfig:
     """v2e's `noisy`: thresholds of 0.2 ± 0.05, cutoff 30 Hz, leak 0.1 Hz, shot noise 5 Hz.
 
-    Its shot noise falls to a quarter from dark to bright; here it follows the published law, and
-    has the 5 Hz, ON and OFF together, in the dark.
+    In v2e, shot noise falls to a quarter from dark to bright. Here it follows the published law,
+    and has 5 Hz, ON and OFF together, in the dark.
     """
     dark_hz = SHOT_OFF_HZ[0] * (1.0 + SHOT_ON_PER_OFF)
     return SensorConfig(
         theta_on=0.2,
         theta_off=0.2,
         theta_mismatch=0.05,
-        bandwidth_hz_per_lux=_NO_LIMIT_HZ_PER_LUX,
+        bandwidth_hz_per_lux=_UNLIMITED_HZ_PER_LUX,
         bandwidth_limit_hz=30.0,
         refractory_us=0,
         leak_hz=0.1,
         leak_hz_per_lux=0.0,
         shot_noise_scale=_V2E_SHOT_HZ / dark_hz,
         hot_fraction=0.0,
-        readout_limit_hz=UNLIMITED_HZ,
+        readout=UNLIMITED,
         aps=ApsConfig(),
     )
+
+
+_PRESETS: dict[PresetName, Callable[[], SensorConfig]] = {
+    "davis346": SensorConfig,
+    "davis240": _davis240,
+    "dvs128": _dvs128,
+    "atis": _atis,
+    "dvxplorer": _dvxplorer,
+    "gen31": _gen31,
+    "imx636": _imx636,
+    "ideal": SensorConfig.ideal,
+    "v2e_clean": _v2e_clean,
+    "v2e_noisy": _v2e_noisy,
+}

@@ -1,4 +1,4 @@
-"""The whole sensor: luminance in, events and frames out."""
+"""The whole sensor: luminance in; events, their causes and frames out."""
 
 from __future__ import annotations
 
@@ -10,66 +10,85 @@ import numpy.typing as npt
 
 from emulator.aps.frames import Aps, ApsFrame
 from emulator.arguments import check_config, check_seed, check_threads
-from emulator.config import UNLIMITED_HZ, SensorConfig
+from emulator.config import SensorConfig
 from emulator.luminance_frames import (
     Rectangle,
     check_frame,
     check_luminance,
     check_rectangle,
     check_time,
-    pairs,
+    time_luminance_pairs,
+)
+from emulator.pixel.active_pixels import (
+    Share,
+    empty_masks,
+    find_active,
+    mark_all_blocks,
+    mark_blocks_within,
 )
 from emulator.pixel.batch import empty_batch
-from emulator.pixel.scan import find_work, look_everywhere, look_within, no_work
-from emulator.pixel.state import Pixels, PixelState, draw_pixels, make_model, settled_state
+from emulator.pixel.state import (
+    Pixels,
+    PixelState,
+    StepTimes,
+    draw_pixels,
+    make_model,
+    settled_state,
+)
 from emulator.pixel.step import step_pixels
-from emulator.readout.arbiter import Arbiter, Latency, Readout
+from emulator.readout.arbiter import Arbiter
+from emulator.readout.config import UNLIMITED_HZ, ReadoutKind
 from emulator.readout.event_keys import Keys, unpack_keys
+from emulator.readout.latency import Latency
+from emulator.readout.scan import Scan
+from emulator.readout.stats import ReadoutStats
 from emulator.thread_pool import ThreadPool
 from flybench.events import Events, empty_events
 
 _DEFAULT = SensorConfig()
-_STREAM = 0
-_KEYS_AT_FIRST = 4096
+_RANDOM_STREAM = 0
+_INITIAL_KEYS = 4096
 
 
 @dataclass(frozen=True, eq=False)
 class SensorOutput:
-    """What one step of light brought out of the sensor.
+    """Output of one sensor step.
 
     Attributes:
-        events: (n,) of `EVENT_DTYPE`, those read out in (time of the step before, time of this
-            step], sorted by t and then by pixel; final, no later step adds to that span. What the
-            row arbiter has not granted by the end of the step leaves in a later one.
+        events: (n,) of `EVENT_DTYPE`, the events with time stamps in (time of the previous step,
+            time of this step], sorted by t and then by pixel. They are final: no later step adds
+            events to that interval. Events that are not read out by the end of the step are
+            returned by a later one.
         causes: (n,) uint8, the `Cause` of each event.
-        aps_frames: frames whose exposure ended in that span.
-        readout: what the row arbiter did: events offered, delayed, dropped and waiting.
+        aps_frames: frames whose exposure ended in that interval.
+        readout: what the readout did: counts of events offered, delayed, dropped and waiting.
     """
 
     events: Events
     causes: npt.NDArray[np.uint8]
     aps_frames: tuple[ApsFrame, ...]
-    readout: Readout = field(default_factory=Readout)
+    readout: ReadoutStats = field(default_factory=ReadoutStats)
 
 
-class Davis346:
-    """A DAVIS346 that watches a scene sample by sample. It holds one frame, never a clip.
+class EventSensor:
+    """An event sensor that watches a scene sample by sample; it keeps one frame, never a clip.
 
     Args:
-        config: the sensor and its lens.
-        seed: of everything random. Same seed, same light: the same output, bit for bit.
-        threads: how many share a step, 1 to 64; their number changes nothing but the time it takes.
-            At 346×260 two are slower than one.
+        config: the sensor and its lens; a DAVIS346 by default.
+        seed: seed of all random numbers. The same seed and the same luminance give the same output,
+            bit for bit.
+        threads: number of threads that share a step, 1 to 64. It changes only the time that a step
+            takes. At 346×260, two threads are slower than one.
 
     Raises:
-        SensorConfigError: what is given is no `SensorConfig`, the seed is negative or no integer,
-            or there are no threads.
+        SensorConfigError: `config` is no `SensorConfig`, the seed is negative or no integer, or
+            the number of threads is out of range.
     """
 
     def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
         self.config = check_config(config)
         seed, threads = check_seed(seed), check_threads(threads)
-        rng = np.random.default_rng((seed, _STREAM))
+        rng = np.random.default_rng((seed, _RANDOM_STREAM))
         self._pixels = draw_pixels(config, rng)
         self._model = make_model(config, rng.integers(2**64, dtype=np.uint64))
         _draw_leak_phases(self._pixels, config, rng)
@@ -79,40 +98,43 @@ class Davis346:
             dark_lux=self._model.dark_lux,
             seed=seed,
         )
-        self._arbiter = _readout_of(config)
+        self._readout = _make_readout(config)
         self._state: PixelState | None = None
         self._first_us = 0
         self._last_us: int | None = None
-        self._work = no_work(config.width * config.height)
-        self._keys = [np.empty(_KEYS_AT_FIRST, np.int64) for _ in range(threads)]
+        self._active = empty_masks(config.width * config.height)
+        self._shares = [Share(part, threads) for part in range(threads)]
+        self._keys = [np.empty(_INITIAL_KEYS, np.int64) for _ in range(threads)]
         self._batches = [empty_batch() for _ in range(threads)]
-        self._crew = ThreadPool(threads)
+        self._pool = ThreadPool(threads)
 
     def step(
         self, t_us: int, luminance_cd_m2: npt.ArrayLike, *, changed: Rectangle | None = None
     ) -> SensorOutput:
-        """Take in the light at one time; the sensor takes it as ramping there from the last.
+        """Advance the sensor to the next sample of luminance.
 
-        The first call shows the sensor the scene that it has settled on, and returns nothing.
-        A frame that is refused leaves the sensor as it was.
+        Between two samples, the luminance of each pixel is taken to change linearly for the frames,
+        and the logarithm of its illuminance for the events. The first call gives the scene to which
+        the sensor has settled, and returns no events. A frame that is refused leaves the sensor
+        unchanged.
 
         Args:
             t_us: time of the sample, later than the last one; a Python or NumPy integer [µs].
             luminance_cd_m2: (height, width) float32 or another floating point type, which is
-                rounded to float32; light of the scene at each pixel, averaged over its area
+                rounded to float32; luminance of the scene at each pixel, averaged over its area
                 [cd/m²]; 0 is darkness.
             changed: x0, y0, x1, y1 of a rectangle, the last two exclusive, outside of which no
-                light has changed since the step before: what is outside is not looked at, which
-                saves time. None if it is not known.
+                luminance has changed since the previous step. The sensor does not compare the
+                pixels outside, which saves time. None: not known.
 
         Returns:
-            Events and frames since the step before.
+            Events and frames since the previous step.
 
         Raises:
-            FrameError: another shape, luminance that is not floating point, NaN, infinite or
-                negative, a time that is no integer, goes back or stands still, a step of more
-                than 17.9 minutes or of more than 1000 APS frames (25 s at the default 40
-                frames/s), or a rectangle that is none.
+            FrameError: wrong shape; luminance that is not floating point, NaN, infinite or
+                negative; a time that is no integer or not later than the last; a step longer than
+                17.9 minutes or than 1000 APS frames (25 s at the default 40 frames/s); or an
+                invalid rectangle.
         """
         config = self.config
         time_us = check_time(t_us, self._last_us)
@@ -121,28 +143,29 @@ class Davis346:
             self._begin(time_us, frame)
             return SensorOutput(empty_events(), np.empty(0, np.uint8), ())
         self._aps.check_step(time_us - self._last_us)
-        from_us, to_us = self._last_us - self._first_us, time_us - self._first_us
-        self._find_work(self._state, frame, to_us, changed)
+        times = StepTimes(self._last_us - self._first_us, time_us - self._first_us)
+        self._find_active(self._state, frame, times, changed)
         before = self._state.luminance.reshape(frame.shape)
         aps_frames = self._aps.expose(
-            before, frame, self._work.changed, from_us=self._last_us, to_us=time_us
+            before, frame, self._active.changed, from_us=self._last_us, to_us=time_us
         )
-        keys = self._run_pixels(self._state, frame.ravel(), from_us, to_us)
+        keys = self._step_pixels(self._state, frame.ravel(), times)
         keys.sort()
-        keys, readout = self._arbiter.read_out(keys, from_us=from_us, to_us=to_us)
+        keys, stats = self._readout.read_out(keys, from_us=times.from_us, to_us=times.to_us)
         events, causes = unpack_keys(keys, start_us=self._last_us, width=config.width)
         self._last_us = time_us
-        return SensorOutput(events, causes, aps_frames, readout)
+        return SensorOutput(events, causes, aps_frames, stats)
 
     def stream(self, frames: Iterable[tuple[int, npt.ArrayLike]]) -> Iterator[SensorOutput]:
-        """Step through (time [µs], luminance [cd/m²]) pairs, one output each.
+        """Step through pairs of (time [µs], luminance [cd/m²]) and yield one output for each.
 
-        It may be called again with the frames that follow: how a sequence is cut changes nothing.
+        A second call continues with the frames that follow; where a sequence is cut changes
+        nothing.
 
         Raises:
-            FrameError: as `step` does, at the frame concerned, or an item that is no pair.
+            FrameError: as `step` does, at the frame concerned; or an item is no pair.
         """
-        for t_us, luminance_cd_m2 in pairs(frames):
+        for t_us, luminance_cd_m2 in time_luminance_pairs(frames):
             yield self.step(t_us, luminance_cd_m2)
 
     def _begin(self, t_us: int, frame: npt.NDArray[np.float32]) -> None:
@@ -151,49 +174,59 @@ class Davis346:
         self._aps.begin(t_us, frame)
         self._first_us = self._last_us = t_us
 
-    def _find_work(
+    def _find_active(
         self,
         state: PixelState,
         frame: npt.NDArray[np.float32],
-        to_us: int,
+        times: StepTimes,
         changed: Rectangle | None,
     ) -> None:
-        """Find the pixels that have work, and refuse light that is none."""
+        """Find the pixels that must be computed, and refuse invalid luminance."""
         width, height = self.config.width, self.config.height
         if changed is None:
-            look_everywhere(self._work.look)
+            mark_all_blocks(self._active.compare)
         else:
             rectangle = check_rectangle(changed, width=width, height=height)
-            look_within(self._work.look, rectangle, width)
-        parts, luminance = len(self._batches), frame.ravel()
-        if not all(
-            self._crew.share(
-                lambda part: find_work(state, luminance, to_us, self._work, part, parts)
+            mark_blocks_within(self._active.compare, rectangle, width)
+        luminance = frame.ravel()
+        valid = self._pool.run(
+            lambda part: find_active(
+                state, luminance, times.to_us, self._active, self._shares[part]
             )
-        ):
+        )
+        if not all(valid):
             check_luminance(frame)
 
-    def _run_pixels(
-        self, state: PixelState, luminance: npt.NDArray[np.float32], from_us: int, to_us: int
+    def _step_pixels(
+        self, state: PixelState, luminance: npt.NDArray[np.float32], times: StepTimes
     ) -> Keys:
-        """Take all pixels through a step."""
-        parts = len(self._batches)
+        """Take all pixels through one step, and return the keys of their events, unsorted."""
 
         def run(part: int) -> Keys:
-            batch, keys = self._batches[part], self._keys[part]
             self._keys[part], used = step_pixels(
-                state, self._model, luminance, from_us, to_us, self._work, part, parts, batch, keys
+                state,
+                self._model,
+                luminance,
+                times,
+                self._active,
+                self._shares[part],
+                self._batches[part],
+                self._keys[part],
             )
             return self._keys[part][:used]
 
-        found = self._crew.share(run)
-        return found[0] if parts == 1 else np.concatenate(found)
+        found = self._pool.run(run)
+        return found[0] if len(found) == 1 else np.concatenate(found)
+
+
+class Davis346(EventSensor):
+    """An `EventSensor` under the name of its default configuration, the DAVIS346."""
 
 
 def _draw_leak_phases(pixels: Pixels, config: SensorConfig, rng: np.random.Generator) -> None:
-    """Start the leak of each pixel somewhere on its way to the threshold.
+    """Start the leak of each pixel at a random fraction of its ON threshold.
 
-    The phases are drawn even if they are not used: what is drawn after them stays the same.
+    The phases are drawn even if they are not used, so that later random numbers stay the same.
     """
     phase = rng.random(pixels.size, np.float32)
     if config.leak_hz > 0.0 or config.leak_hz_per_lux > 0.0:
@@ -201,14 +234,17 @@ def _draw_leak_phases(pixels: Pixels, config: SensorConfig, rng: np.random.Gener
         pixels["leak"] = np.where(np.isfinite(theta_on), theta_on * phase, 0.0)
 
 
-def _readout_of(config: SensorConfig) -> Arbiter | Latency:
-    """What reads the events out."""
-    if config.readout_limit_hz >= UNLIMITED_HZ:
-        return Latency(config.readout_latency_us)
+def _make_readout(config: SensorConfig) -> Arbiter | Latency | Scan:
+    """Return the readout of a sensor."""
+    readout = config.readout
+    if readout.kind is ReadoutKind.SCAN:
+        return Scan(period_us=readout.scan_period_us, latency_us=readout.latency_us)
+    if readout.limit_hz >= UNLIMITED_HZ:
+        return Latency(readout.latency_us)
     return Arbiter(
         width=config.width,
         height=config.height,
-        limit_hz=config.readout_limit_hz,
-        latency_us=config.readout_latency_us,
+        limit_hz=readout.limit_hz,
+        latency_us=readout.latency_us,
         refractory_us=config.refractory_us,
     )

@@ -1,4 +1,4 @@
-"""Threads that share the work of a step, and wait between steps at no cost."""
+"""A pool of threads that share the work of a step, and use no CPU time between steps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _Outcome = tuple[Any, BaseException | None]
 
 
 def _serve(jobs: SimpleQueue[_Job | None], outcomes: SimpleQueue[_Outcome]) -> None:
-    """Do jobs until there are no more; what one raises goes to whoever waits for it."""
+    """Run jobs until None arrives; exceptions go to the caller of `ThreadPool.run`."""
     while (job := jobs.get()) is not None:
         work, part = job
         try:
@@ -25,12 +25,12 @@ def _serve(jobs: SimpleQueue[_Job | None], outcomes: SimpleQueue[_Outcome]) -> N
 
 
 class ThreadPool:
-    """A fixed number of threads, this one included, which take one part of a work each.
+    """A fixed number of threads, including the caller's, each of which runs one part of a job.
 
-    The others end when nothing refers to the crew any more.
+    The other threads end when nothing refers to the pool any more.
 
     Args:
-        size: how many there are, at least 1.
+        size: number of threads, at least 1.
     """
 
     def __init__(self, size: int):
@@ -42,11 +42,11 @@ class ThreadPool:
             weakref.finalize(self, lane[0].put, None)
             self._lanes.append(lane)
 
-    def share(self, work: Callable[[int], Result]) -> list[Result]:
-        """Call `work` with each part's number, from 0, and collect what it returns.
+    def run(self, work: Callable[[int], Result]) -> list[Result]:
+        """Call `work` with the number of each part, from 0, and return the results in that order.
 
         Raises:
-            Exception: whatever a part raised, once all parts are done.
+            Exception: the exception that a part raised, once all parts are done.
         """
         for part, (jobs, _) in enumerate(self._lanes, start=1):
             jobs.put((work, part))
@@ -57,9 +57,9 @@ class ThreadPool:
         except BaseException as error:
             failure = error
         for _, outcomes in self._lanes:
-            result, error_there = outcomes.get()
+            result, raised = outcomes.get()
             results.append(result)
-            failure = failure or error_there
+            failure = failure or raised
         if failure is not None:
             raise failure
         return results

@@ -23,7 +23,7 @@ import numpy as np
 import tonic
 from matplotlib.figure import Figure
 
-from flybench import Davis346, Events, SensorConfig, open_events, open_writer
+from flybench import Events, EventSensor, SensorConfig, open_events, open_writer
 
 TAU_US = 10_000.0
 """Time constant of the time surfaces [µs]."""
@@ -33,7 +33,7 @@ ROUNDING = 1e-12
 
 def emulated_disc() -> tuple[Events, tuple[int, int]]:
     """Emulate a DAVIS346 that sees a bright disc move right at 500 px/s for 60 ms."""
-    sensor = Davis346(SensorConfig(), seed=1)
+    sensor = EventSensor(SensorConfig(), seed=1)
     y, x = np.mgrid[:260, :346]
     events = []
     for t_us in range(0, 60_000, 1000):

@@ -60,6 +60,15 @@ if TYPE_CHECKING:
         Davis346 as Davis346,
     )
     from emulator import (
+        EventSensor as EventSensor,
+    )
+    from emulator import (
+        ReadoutConfig as ReadoutConfig,
+    )
+    from emulator import (
+        ReadoutKind as ReadoutKind,
+    )
+    from emulator import (
         SensorConfig as SensorConfig,
     )
     from emulator import (
@@ -191,6 +200,9 @@ _MODULES = {
         "ApsFrame",
         "Biases",
         "Davis346",
+        "EventSensor",
+        "ReadoutConfig",
+        "ReadoutKind",
         "SensorConfig",
         "SensorOutput",
         "luminance_of",
@@ -237,6 +249,7 @@ __all__ = [
     "EventCamera",
     "EventError",
     "EventFile",
+    "EventSensor",
     "Events",
     "FlyConfig",
     "FlyDetector",
@@ -253,6 +266,8 @@ __all__ = [
     "PlaneFit",
     "PlaneFitConfig",
     "Profile",
+    "ReadoutConfig",
+    "ReadoutKind",
     "RelativeDirection",
     "Sample",
     "SensorConfig",

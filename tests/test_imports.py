@@ -27,8 +27,9 @@ LAYERS = {
         "keyframes crossing event_truth photometric_camera preview"
     ),
     "emulator": (
-        "errors aps.config config arguments biases readout.event_keys luminance_frames "
-        "grey_levels readout pixel presets aps thread_pool sensor characterisation"
+        "errors aps.config readout.config config arguments biases readout.event_keys "
+        "luminance_frames grey_levels readout pixel presets aps thread_pool sensor "
+        "characterisation"
     ),
     "detector": (
         "errors estimate event_checks windowed decision fly metrics frame_fly "

@@ -1,1 +1,1 @@
-"""The active pixel sensor: frames exposed over the same light as the events."""
+"""The active pixel sensor (APS): frames exposed to the same luminance as the event pixels."""

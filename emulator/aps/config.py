@@ -1,9 +1,9 @@
-"""What the frame part of a DAVIS346 is: every parameter, with its source or the word assumed.
+"""The parameters of the frame part of a DAVIS346, each with its source or the word assumed.
 
 Sources: Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240, the same 18.5 µm pixel);
 the paper = the one that this bench reproduces (its DAVIS346: up to 40 frames/s, 55 dB).
-The other figures of the DAVIS346 are known to us without a document that we could cite for each:
-they are marked assumed, with what is said of the real camera.
+For the other values of the DAVIS346 we know no document to cite; they are marked assumed, with what
+users report of the real camera.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ SHUTTERS = ("global", "rolling")
 
 _RANGES = {
     "electrons_per_lux_s": Range(
-        1.0, 1e9, remedy="Give the electrons that one lux collects in a second."
+        1.0, 1e9, remedy="Give the electrons that one lux collects per second."
     ),
     "full_well_e": Range(100.0, 1e7, remedy="Give the electrons at which a pixel saturates."),
-    "saturation_dn": Range(1, 1023, remedy="The converter has 10 bits."),
-    "read_noise_e": Range(0.0, 1e5, remedy="Give electrons rms; noise=False switches it off."),
+    "saturation_dn": Range(1, 1023, remedy="Give a level of the 10-bit converter, such as 680."),
+    "read_noise_e": Range(0.0, 1e5, remedy="Give electrons rms, such as 66."),
     "exposure_us": Range(1, 10_000_000, remedy="Give whole microseconds, such as 7200."),
     "exposure_min_us": Range(1, 10_000_000, remedy="Give whole microseconds, such as 10."),
     "target_dn": Range(
-        1.0, 1023.0, remedy="Give the mean level that auto-exposure aims at, such as 200."
+        1.0, 1023.0, remedy="Give the target mean level of auto-exposure, such as 200."
     ),
-    "period_min_us": Range(1, 10_000_000, remedy="25000 is 40 frames a second."),
+    "period_min_us": Range(1, 10_000_000, remedy="25000 is 40 frames per second."),
     "fixed_pattern": Range(
         0.0, 0.5, remedy="Give the standard deviation of the gain over pixels, such as 0.005."
     ),
@@ -40,33 +40,34 @@ _RANGES = {
 
 @dataclass(frozen=True, kw_only=True)
 class ApsConfig:
-    """Active pixel sensor: 10 bits, automatic exposure.
+    """An active pixel sensor with 10 bits and automatic exposure.
 
     Attributes:
         electrons_per_lux_s: photoelectrons per lux on the chip and second. 1.1e16 photons/m² per
             lux·s of daylight (assumed) × 18.5² µm² × fill factor 22 % (Brandli 2014) × quantum
             efficiency 24 % (assumed).
         full_well_e: electrons at saturation (assumed: users report up to 37 ke⁻).
-        saturation_dn: level at saturation (assumed: users report 680 DN of the 10 bits), so
-            54 e⁻/DN.
+        saturation_dn: level at saturation (assumed: users report 680 DN of the 10 bits), which
+            gives 54 e⁻/DN.
         read_noise_e: rms noise of a dark pixel [e⁻]: full well over the 55 dB of the paper.
-        fixed_pattern: standard deviation of the pixels' gains (Brandli 2014: 0.5 %); offsets are
-            taken to be gone by double sampling (assumed).
-        noise: whether there is photon shot noise, read noise and fixed-pattern noise (the real
-            sensor has all three).
-        shutter: "global", all rows exposed at once, or "rolling", one row after another within
+        fixed_pattern: standard deviation of the gain over the pixels (Brandli 2014: 0.5 %);
+            differences of the offsets are taken to be removed by double sampling (assumed).
+        noise: True for photon shot noise, read noise and fixed-pattern noise (the real sensor has
+            all three).
+        shutter: "global", all rows are exposed at once, or "rolling", one row after another within
             the time of a readout (the chip has both; global is the maker's default).
-        auto_exposure: whether exposure follows the light (assumed, since the paper saw fewer frames
-            at night); if not it stays at `exposure_us`.
-        exposure_us: exposure without auto-exposure [µs] (assumed: the 7.2 ms that is said to be the
+        auto_exposure: True if the exposure follows the light (assumed, since the paper saw fewer
+            frames at night); if False, it stays at `exposure_us`.
+        exposure_us: exposure without auto-exposure [µs] (assumed: users report 7.2 ms as the
             default).
         exposure_min_us: shortest automatic exposure [µs] (assumed).
-        exposure_max_us: longest automatic exposure [µs] (assumed: 4.9 frames a second at night,
+        exposure_max_us: longest automatic exposure [µs] (assumed: 4.9 frames per second at night,
             where the paper saw fewer than 10).
-        target_dn: mean level that auto-exposure aims at [DN] (assumed: 30 % of saturation).
-        period_min_us: shortest time between starts of exposure [µs] (the paper: 40 frames/s).
-        readout_us: time to read a frame out: from the end of a global exposure to the next start,
-            or from the first row of a rolling one to the last [µs] (assumed).
+        target_dn: target mean level of auto-exposure [DN] (assumed: 30 % of saturation).
+        period_min_us: shortest time between the starts of two exposures [µs] (the paper: 40
+            frames/s).
+        readout_us: time to read a frame out [µs] (assumed): from the end of a global exposure to
+            the next start, or from the first row of a rolling exposure to the last.
 
     Raises:
         SensorConfigError: a value is outside its range.
@@ -92,12 +93,12 @@ class ApsConfig:
         for name in ("noise", "auto_exposure"):
             if not isinstance(getattr(self, name), bool):
                 raise SensorConfigError(
-                    f"{name} is {getattr(self, name)!r}; allowed is True or False; give one of them"
+                    f"{name} is {getattr(self, name)!r}. Allowed is True or False."
                 )
         if self.shutter not in SHUTTERS:
             raise SensorConfigError(
-                f"shutter is {self.shutter!r}; allowed is one of {', '.join(SHUTTERS)}; "
-                "global exposes all rows at once, rolling one after another"
+                f"shutter is {self.shutter!r}. Allowed is one of {', '.join(SHUTTERS)}. Choose "
+                "global to expose all rows at once, rolling to expose one after another."
             )
         longest = Range(
             self.exposure_min_us, 10_000_000, remedy="It may not be below exposure_min_us."
@@ -108,5 +109,5 @@ class ApsConfig:
 
     @property
     def electrons_per_dn(self) -> float:
-        """Conversion [e⁻/DN]."""
+        """Conversion factor [e⁻/DN]."""
         return self.full_well_e / self.saturation_dn

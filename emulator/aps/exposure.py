@@ -1,11 +1,11 @@
-"""The exposure of a frame and its conversion, pixel by pixel; see `emulator.aps.frames`."""
+"""The kernels that expose a frame and convert it to levels; see `emulator.aps.frames`."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.scan import Masks
+from emulator.pixel.active_pixels import Masks
 from emulator.pixel.state import BLOCK
 from flybench.kernels import compiled
 from flybench.portable_math import lowest_bit
@@ -19,16 +19,17 @@ Longs = npt.NDArray[np.int64]
 
 @compiled
 def trapezoid_weights(from_us: int, to_us: int, start_us: int, end_us: int) -> tuple[float, float]:
-    """Weights of the two ends in the integral of a straight line over part of a step.
+    """Return the weights of the two end values in the integral of a line over part of a step.
 
     Args:
-        from_us: start of the step, whose light is the first end [µs].
+        from_us: start of the step [µs].
         to_us: end of the step [µs].
         start_us: start of the part, not before `from_us` [µs].
         end_us: end of the part, not after `to_us` [µs].
 
     Returns:
-        Weights of the light at `from_us` and at `to_us` [s]; their sum is the part's duration.
+        Weights of the luminance at `from_us` and at `to_us` [s]; their sum is the duration of the
+        part.
     """
     span_s = (end_us - start_us) * 1e-6
     after = (0.5 * (start_us + end_us) - from_us) / (to_us - from_us)
@@ -45,16 +46,16 @@ def expose_rows(
     seconds: Seconds,
     weights: Seconds,
 ) -> None:
-    """Add what a step exposes of each row to its seconds; see `trapezoid_weights`.
+    """Add the time for which a step exposes each row; see `trapezoid_weights`.
 
     Args:
         from_us: start of the step [µs].
         to_us: end of the step [µs].
-        start_us: start of the first row's exposure [µs].
-        exposure_us: duration of each exposure [µs].
-        delays_us: (rows,) by how much later each row is exposed than the first [µs].
+        start_us: start of the exposure of the first row [µs].
+        exposure_us: duration of the exposure of each row [µs].
+        delays_us: (rows,) delay of the exposure of each row against the first [µs].
         seconds: (rows,) time exposed so far [s]; changed in place.
-        weights: (rows,) weight of the light at `from_us` in the integral so far [s], put out.
+        weights: (rows,) output: weight of the luminance at `from_us` in the integral so far [s].
     """
     for row in range(seconds.size):
         begin = min(max(start_us + delays_us[row], from_us), to_us)
@@ -65,17 +66,17 @@ def expose_rows(
 
 
 @compiled
-def correct(
+def add_correction(
     correction: Floats, before: Floats, after: Floats, changed: Masks, weights: Seconds, width: int
 ) -> None:
     """Add (before − after)·weight of the row to the correction of each pixel that has changed.
 
     Args:
         correction: (pixels,) [cd·s/m²]; changed in place.
-        before: (pixels,) light before the change [cd/m²].
-        after: (pixels,) light after it [cd/m²].
-        changed: (blocks,) masks of the pixels whose light has changed.
-        weights: (rows,) time for which the light before is to count more than it will [s].
+        before: (pixels,) luminance before the change [cd/m²].
+        after: (pixels,) luminance after the change [cd/m²].
+        changed: (blocks,) masks of the pixels whose luminance has changed.
+        weights: (rows,) time for which the luminance before the change still counts [s].
         width: columns of the sensor [px].
     """
     row, row_end = 0, width
@@ -91,29 +92,40 @@ def correct(
 
 
 @compiled
-def collect(
+def collect_electrons(
     correction: Floats,
-    light: Floats,
+    luminance: Floats,
     seconds: Seconds,
     width: int,
     gain: float,
     dark: float,
     out: Floats,
 ) -> None:
-    """Put gain · (light · its row's seconds + correction) + dark, electrons, into `out`."""
+    """Compute the mean electrons, gain·(luminance·seconds of the row + correction) + dark.
+
+    Args:
+        correction: (pixels,) [cd·s/m²].
+        luminance: (pixels,) present luminance [cd/m²].
+        seconds: (rows,) time exposed [s].
+        width: columns of the sensor [px].
+        gain: electrons per exposure [e⁻/(cd·s/m²)].
+        dark: electrons of the dark current [e⁻].
+        out: (pixels,) output array [e⁻].
+    """
     for row in range(seconds.size):
-        share, whole, offset = np.float32(seconds[row] * gain), np.float32(gain), np.float32(dark)
+        factor, whole, offset = np.float32(seconds[row] * gain), np.float32(gain), np.float32(dark)
         here = slice(row * width, (row + 1) * width)
-        shining, corrected, electrons = light[here], correction[here], out[here]
+        values, corrected, electrons = luminance[here], correction[here], out[here]
         for i in range(width):
-            electrons[i] = shining[i] * share + corrected[i] * whole + offset
+            electrons[i] = values[i] * factor + corrected[i] * whole + offset
 
 
 @compiled
 def add_noise(electrons: Floats, normal: Floats, read_variance: float, gains: Floats) -> None:
-    """Photon shot noise (variance = mean), read noise and unlike gains, in place.
+    """Add photon shot noise (variance = mean) and read noise, and apply the gains, in place.
 
-    Where a count is too small for a Gaussian, read noise of tens of electrons hides it.
+    Shot noise is Gaussian. Where the count is too small for that, the read noise of tens of
+    electrons hides the difference.
     """
     for i in range(electrons.size):
         mean = electrons[i] * gains[i]
@@ -121,10 +133,10 @@ def add_noise(electrons: Floats, normal: Floats, read_variance: float, gains: Fl
 
 
 @compiled
-def convert(
+def convert_to_levels(
     electrons: Floats, full_well: float, per_electron: float, levels: npt.NDArray[np.uint16]
 ) -> None:
-    """Fill the wells, then round to levels; below 0 the converter reads 0."""
+    """Clip the electrons to 0 and the full well, and round them to levels."""
     for i in range(electrons.size):
         filled = min(max(electrons[i], np.float32(0.0)), np.float32(full_well))
         levels[i] = np.uint16(filled * np.float32(per_electron) + np.float32(0.5))

@@ -1,8 +1,9 @@
-"""The active pixel sensor: frames exposed over the very steps of the light.
+"""The active pixel sensor: frames exposed over the steps of the sensor.
 
-A pixel's exposure is the integral of its light, whose course is a straight line in each step. It
-is kept as the present light times the time exposed so far, plus a correction that only a change
-of light alters: a pixel whose light does not change costs nothing until the frame is read.
+The exposure of a pixel is the integral of its luminance, which changes linearly in each step. The
+integral is stored as the present luminance times the time exposed so far, plus a correction that
+changes only with the luminance: a pixel under constant luminance costs nothing until the frame is
+read out.
 """
 
 from __future__ import annotations
@@ -13,34 +14,44 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.aps.config import ApsConfig
-from emulator.aps.exposure import Floats, Seconds, add_noise, collect, convert, correct, expose_rows
+from emulator.aps.exposure import (
+    Floats,
+    Seconds,
+    add_correction,
+    add_noise,
+    collect_electrons,
+    convert_to_levels,
+    expose_rows,
+)
 from emulator.errors import FrameError
+from emulator.pixel.active_pixels import Masks
 from emulator.pixel.noise import draw_gaussians
-from emulator.pixel.scan import Masks
 
-_STREAM = 1
+_RANDOM_STREAM = 1
 
 _EXPOSURE_RATIO_MAX = 8.0
 """Largest factor by which one frame changes the exposure (assumed: three stops)."""
 
 _STEP_FRAMES_MAX = 1000
-"""Frames that one step may return (assumed: 180 MB of them at 346×260)."""
+"""Number of frames that one step may return (assumed; they take 180 MB at 346×260)."""
 
 _METERING_ROUNDS = 12
-"""Meterings before the first frame (assumed): enough to cross the range of exposures twice."""
+"""Number of meterings before the first frame (assumed): enough to cross the range of exposures
+twice."""
 
 Image = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
 class ApsFrame:
-    """One frame.
+    """One APS frame.
 
     Attributes:
-        start_us: start of the exposure, of the first row's if the shutter rolls [µs].
-        end_us: end of the exposure, of the last row's if the shutter rolls [µs].
+        start_us: start of the exposure; with a rolling shutter, of the first row [µs].
+        end_us: end of the exposure; with a rolling shutter, of the last row [µs].
         image: (height, width) uint16, 0 to 1023 [DN].
-        rolling_us: from the first row's exposure to the last row's, 0 with the global shutter [µs].
+        rolling_us: delay between the exposures of the first and the last row, 0 with the global
+            shutter [µs].
     """
 
     start_us: int
@@ -55,7 +66,7 @@ class ApsFrame:
 
 
 class Aps:
-    """Exposes, converts and meters frame after frame. It holds one integral, never a clip."""
+    """Exposes, converts and meters one frame after another; it keeps one integral, never a clip."""
 
     def __init__(self, config: ApsConfig, *, lux_per_cd_m2: float, dark_lux: float, seed: int):
         self._config = config
@@ -73,11 +84,11 @@ class Aps:
         self._noise_seed = np.uint64(0)
 
     def begin(self, t_us: int, luminance: Image) -> None:
-        """Start the first exposure, metered as by a camera that has watched the scene for long.
+        """Start the first exposure, with an auto-exposure that has settled to the scene.
 
         Args:
             t_us: time of the first sample [µs].
-            luminance: (height, width) light at that time [cd/m²].
+            luminance: (height, width) luminance at that time [cd/m²].
         """
         rows, config = luminance.shape[0], self._config
         rolling_us = config.readout_us if config.shutter == "rolling" else 0
@@ -85,7 +96,7 @@ class Aps:
         self._start_us = t_us
         self._correction = np.zeros(luminance.size, np.float32)
         self._seconds, self._weights = np.zeros(rows), np.zeros(rows)
-        rng = np.random.default_rng((self._seed, _STREAM))
+        rng = np.random.default_rng((self._seed, _RANDOM_STREAM))
         self._noise_seed = rng.integers(2**64, dtype=np.uint64)
         self._gaussians = np.empty(luminance.size if config.noise else 0, np.float32)
         spread = config.fixed_pattern * rng.standard_normal(luminance.size, np.float32)
@@ -96,10 +107,10 @@ class Aps:
             self._exposure_us = self._metered_exposure_us(levels)
 
     def check_step(self, step_us: int) -> None:
-        """Refuse a step that could return more frames than memory should hold.
+        """Check that the number of frames that a step may return is limited.
 
         Args:
-            step_us: length of the step [µs].
+            step_us: duration of the step [µs].
 
         Raises:
             FrameError: more than 1000 frames could end in the step.
@@ -108,8 +119,8 @@ class Aps:
         if step_us > longest_us:
             raise FrameError(
                 f"the step is {step_us} µs long, with an APS frame every "
-                f"{self._shortest_period_us()} µs at the fastest; allowed is up to {longest_us} "
-                f"µs, {_STEP_FRAMES_MAX} frames; take shorter steps, or raise period_min_us"
+                f"{self._shortest_period_us()} µs at most. Allowed is up to {longest_us} µs, or "
+                f"{_STEP_FRAMES_MAX} frames. Take shorter steps, or raise period_min_us."
             )
 
     def _shortest_period_us(self) -> int:
@@ -122,11 +133,11 @@ class Aps:
     def expose(
         self, before: Image, after: Image, changed: Masks, *, from_us: int, to_us: int
     ) -> tuple[ApsFrame, ...]:
-        """Take in one step of light.
+        """Expose the frames over one step.
 
         Args:
-            before: (height, width) light at `from_us` [cd/m²].
-            after: (height, width) light at `to_us` [cd/m²]; a straight line lies between.
+            before: (height, width) luminance at `from_us` [cd/m²].
+            after: (height, width) luminance at `to_us` [cd/m²]; it changes linearly in between.
             changed: (blocks,) masks of the pixels where the two differ.
             from_us: start of the step [µs].
             to_us: end of the step [µs].
@@ -141,22 +152,22 @@ class Aps:
                 from_us, to_us, start_us, exposure_us, self._delays_us, self._seconds, weights
             )
             old, new = before.ravel(), after.ravel()
-            correct(self._correction, old, new, changed, weights, after.shape[1])
+            add_correction(self._correction, old, new, changed, weights, after.shape[1])
             end_us = start_us + int(self._delays_us[-1]) + exposure_us
             if end_us > to_us:
                 break
             finished.append(self._read_out(after, end_us))
         return tuple(finished)
 
-    def _read_out(self, light: Image, end_us: int) -> ApsFrame:
-        """Convert the integral, meter it, and set the next exposure up."""
+    def _read_out(self, luminance: Image, end_us: int) -> ApsFrame:
+        """Convert the integral to a frame, meter it, and set up the next exposure."""
         config, rolling_us = self._config, int(self._delays_us[-1])
-        electrons = self._electrons(light, self._seconds)
+        electrons = self._electrons(luminance, self._seconds)
         if config.noise:
             first = np.uint64(self._frames * electrons.size)
             draw_gaussians(self._noise_seed, first, self._gaussians)
             add_noise(electrons, self._gaussians, config.read_noise_e**2, self._gains)
-        image = self._convert(electrons).reshape(light.shape)
+        image = self._convert(electrons).reshape(luminance.shape)
         frame = ApsFrame(self._start_us, end_us, image, rolling_us)
         self._frames += 1
         rest_us = 0 if rolling_us else config.readout_us
@@ -166,21 +177,25 @@ class Aps:
         self._seconds.fill(0.0)
         return frame
 
-    def _electrons(self, light: Image, seconds: Seconds) -> Floats:
-        """Mean electrons of each pixel, (pixels,), after so many seconds of exposure of its row."""
-        electrons = np.empty(light.size, np.float32)
+    def _electrons(self, luminance: Image, seconds: Seconds) -> Floats:
+        """Return the mean electrons of each pixel, (pixels,), for the exposure of each row [s]."""
+        electrons = np.empty(luminance.size, np.float32)
         dark = self._dark_electrons_per_s * self._exposure_us * 1e-6
         gain = self._electrons_per_cd_s
-        collect(self._correction, light.ravel(), seconds, light.shape[1], gain, dark, electrons)
+        width = luminance.shape[1]
+        collect_electrons(
+            self._correction, luminance.ravel(), seconds, width, gain, dark, electrons
+        )
         return electrons
 
     def _convert(self, electrons: Floats) -> npt.NDArray[np.uint16]:
         levels = np.empty(electrons.size, np.uint16)
-        convert(electrons, self._config.full_well_e, 1.0 / self._config.electrons_per_dn, levels)
+        per_electron = 1.0 / self._config.electrons_per_dn
+        convert_to_levels(electrons, self._config.full_well_e, per_electron, levels)
         return levels
 
     def _metered_exposure_us(self, image: npt.NDArray[np.uint16]) -> int:
-        """Exposure that would bring the mean of `image` to the target, if nothing saturates."""
+        """Return the exposure that brings the mean of `image` to the target, without saturation."""
         config = self._config
         if not config.auto_exposure:
             return config.exposure_us

@@ -14,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.aps.frames import ApsFrame
-from emulator.config import UNLIMITED_HZ, SensorConfig
+from emulator.config import SensorConfig
 from emulator.pixel.optics import lux_per_cd_m2
-from emulator.sensor import Davis346
+from emulator.readout.config import UNLIMITED
+from emulator.sensor import EventSensor
 from flybench.events import Events, joined
 
 REFLECTANCE = 0.18
@@ -55,7 +56,7 @@ def record(
     config: SensorConfig, samples: Iterable[tuple[int, npt.ArrayLike]], *, seed: int
 ) -> Recording:
     """Show (time [µs], luminance [cd/m²]) samples to a new sensor and record its whole output."""
-    sensor = Davis346(config, seed=seed)
+    sensor = EventSensor(config, seed=seed)
     times = []
 
     def noting_times() -> Iterable[tuple[int, npt.ArrayLike]]:
@@ -83,8 +84,7 @@ def bench_sensor(config: SensorConfig, *, width: int, height: int) -> SensorConf
         config,
         width=width,
         height=height,
-        readout_limit_hz=UNLIMITED_HZ,
-        readout_latency_us=0,
+        readout=UNLIMITED,
         aps=replace(config.aps, period_min_us=10_000_000),
     )
 

@@ -1,9 +1,9 @@
-"""Many pixels at once on one straight stretch without an event: the common case.
+"""Many pixels at once on one segment without an event: the common case.
 
-Pixels with work are gathered into batches, followed to the end of the step by the same equations
-as one pixel is in `emulator.pixel.single_pixel`, and sorted into those that stayed silent, which
-are put back, and the others, which go their way one by one. A batch is a flat array, field after
-field, so that a compiler sees the fields don't overlap and works on several pixels at a time.
+Active pixels are gathered into batches and followed to the end of the step by the equations of
+`emulator.pixel.single_pixel`. Pixels that stay silent are then stored; the others are processed
+further, most of them one by one. A batch is a flat array, field after field, so that the compiler
+sees that the fields do not overlap, and works on several pixels at a time.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import numpy.typing as npt
 
 from emulator.pixel.noise import leak_drift, shot_rates
 from emulator.pixel.photoreceptor import LOG_PIECE, corner_per_us, lag_after, log_current
-from emulator.pixel.state import PixelModel, Pixels
+from emulator.pixel.state import PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp, log
 
 BATCH = 512
-"""Pixels in a batch: its 23 fields take 94 kB, which the nearest caches hold."""
+"""Pixels in a batch: its 23 fields take 94 kB, which fit into the caches of a core."""
 
 (
-    LIGHT_FROM,
-    LIGHT_TO,
+    LUMINANCE_FROM,
+    LUMINANCE_TO,
     LOG_FROM,
     LAG,
     CHANGE,
@@ -47,40 +47,40 @@ BATCH = 512
     EVENT_TIME,
     MARK,
 ) = (field * BATCH for field in range(23))
-"""Where each field begins."""
+"""Start of each field."""
 
 FIELDS = 23
 
-_TOGETHER = 16
-"""Pixels that a compiler may work on together."""
+_VECTOR = 16
+"""Pixels that the compiler may process together."""
 
-COMPLEX, CROSSING, SILENT, SINGLE = 0.0, 1.0, 2.0, 3.0
-"""What becomes of a pixel in the step: something that asks for a closer look; at least one
-crossing, which must be found; no event; or one event, which has been found."""
+OTHER, CROSSING, SILENT, SINGLE = 0.0, 1.0, 2.0, 3.0
+"""Outcome of the step for a pixel. CROSSING: at least one crossing, not computed yet; SILENT: no
+event; SINGLE: exactly one event, which has been computed; OTHER: the batch cannot compute it."""
 
 Reals = npt.NDArray[np.float64]
 
 
 class Batch(NamedTuple):
-    """Pixels that are worked on together.
+    """Pixels that are processed together.
 
     Attributes:
-        places: (BATCH,) their places in the array.
-        changed: (BATCH,) whether their light has changed.
-        fields: (FIELDS·BATCH,) their numbers, field after field.
-        crossers: (BATCH,) places in the batch of those that cross a threshold.
-        crossing: (FIELDS·BATCH,) numbers of those.
+        indices: (BATCH,) indices of the pixels on the sensor.
+        changed: (BATCH,) True where the luminance has changed.
+        fields: (FIELDS·BATCH,) numbers of the pixels, field after field.
+        crossing: (BATCH,) positions in the batch of the pixels that cross a threshold.
+        crossing_fields: (FIELDS·BATCH,) numbers of those pixels.
     """
 
-    places: npt.NDArray[np.int32]
+    indices: npt.NDArray[np.int32]
     changed: npt.NDArray[np.bool_]
     fields: Reals
-    crossers: npt.NDArray[np.int32]
-    crossing: Reals
+    crossing: npt.NDArray[np.int32]
+    crossing_fields: Reals
 
 
 def empty_batch() -> Batch:
-    """Room for one batch."""
+    """Return an empty batch."""
     return Batch(
         np.empty(BATCH, np.int32),
         np.empty(BATCH, np.bool_),
@@ -92,30 +92,28 @@ def empty_batch() -> Batch:
 
 @compiled
 def gather(
-    pixels: Pixels,
-    before: npt.NDArray[np.float32],
-    after: npt.NDArray[np.float32],
+    state: PixelState,
+    luminance: npt.NDArray[np.float32],
     from_us: int,
-    places: npt.NDArray[np.int32],
+    batch: Batch,
     count: int,
-    fields: Reals,
 ) -> None:
-    """Fetch the numbers of the first `count` pixels of a batch.
+    """Copy the numbers of the first `count` pixels of a batch into its fields.
 
     Args:
-        pixels: what they remember, and are.
-        before: (pixels,) light at the start of the step [cd/m²].
-        after: (pixels,) light at its end [cd/m²].
+        state: state of all pixels.
+        luminance: (pixels,) luminance at the end of the step [cd/m²].
         from_us: start of the step [µs from the first sample].
-        places: where the pixels of the batch are in the arrays.
-        count: how many there are.
-        fields: of the batch; put out.
+        batch: indices of the pixels; the fields are changed in place.
+        count: number of pixels.
     """
+    pixels, before = state.pixels, state.luminance
+    indices, fields = batch.indices, batch.fields
     for k in range(count):
-        i = places[k]
+        i = indices[k]
         pixel = pixels[i]
-        fields[LIGHT_FROM + k] = before[i]
-        fields[LIGHT_TO + k] = after[i]
+        fields[LUMINANCE_FROM + k] = before[i]
+        fields[LUMINANCE_TO + k] = luminance[i]
         fields[LAG + k] = pixel.lag
         fields[CHANGE + k] = pixel.change
         fields[LEAK + k] = pixel.leak
@@ -123,23 +121,23 @@ def gather(
         fields[THETA_ON + k] = pixel.theta_on
         fields[THETA_OFF + k] = pixel.theta_off
         fields[HOT_RATE + k] = pixel.hot_rate
-        fields[REST + k] = np.int32(pixel.touched_us - from_us)
+        fields[REST + k] = np.int32(pixel.updated_us - from_us)
 
 
 @inlined
 def rounded_up(count: int) -> int:
-    """How many pixels to work on, so that none is left over from the groups that go together.
+    """Round a number of pixels up to a multiple of the pixels that are processed together.
 
-    What stands in the places beyond `count` is left from other batches, and not used.
+    The positions beyond `count` hold numbers of earlier batches; their results are not used.
     """
-    return (count + _TOGETHER - 1) // _TOGETHER * _TOGETHER
+    return (count + _VECTOR - 1) // _VECTOR * _VECTOR
 
 
 @inlined
 def turning_value(level: float, steady: float, swing: float, decay: float) -> tuple[float, float]:
-    """Value of d(s) where it turns, or d(0) if it does not; and −s/τ there.
+    """Return the value of d(s) where it turns, or d(0) if it does not turn; and −s/τ there.
 
-    It turns where exp(−s/τ) = −steady/swing, if that is reached in the time (see
+    It turns where exp(−s/τ) = −steady/swing, if that happens within the span (see
     `emulator.pixel.change_detector`).
 
     Args:
@@ -148,8 +146,8 @@ def turning_value(level: float, steady: float, swing: float, decay: float) -> tu
         swing: amplitude of the exponential part of d.
         decay: exp(−span/τ).
     """
-    share = -steady / swing
-    turned = share if (share > decay) & (share < 1.0) else 1.0
+    ratio = -steady / swing
+    turned = ratio if (ratio > decay) & (ratio < 1.0) else 1.0
     power = log(turned)
     return level - steady * power + swing * (1.0 - turned), power
 
@@ -158,17 +156,17 @@ def turning_value(level: float, steady: float, swing: float, decay: float) -> tu
 def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -> None:
     """Follow the first `count` pixels through `span_us`, as if none had an event.
 
-    That is the outcome of those whose difference stays between the thresholds at the end and where
-    it turns. Before, they must be awake, not in reset, on a ramp of one piece, with time left on
-    their noise clock, and without a follower.
+    This is the result for pixels whose difference is between the thresholds at the end and where it
+    turns. It requires that the pixel is awake and not in reset, on a ramp of one piece, without a
+    noise event in the step, and without a follower.
     """
     per_us = 1.0 / span_us
     first_order = model.follower_us == 0.0
     per_cd_m2, dark_lux = model.lux_per_cd_m2, model.dark_lux
     for k in range(count):
         lag, leak = fields[LAG + k], fields[LEAK + k]
-        log_from = log_current(fields[LIGHT_FROM + k] * per_cd_m2, dark_lux)
-        log_to = log_current(fields[LIGHT_TO + k] * per_cd_m2, dark_lux)
+        log_from = log_current(fields[LUMINANCE_FROM + k] * per_cd_m2, dark_lux)
+        log_to = log_current(fields[LUMINANCE_TO + k] * per_cd_m2, dark_lux)
         middle = 0.5 * (log_from + log_to)
         current_lux = exp(middle)
         corner = corner_per_us(current_lux, model.corner_per_lux, model.corner_limit)
@@ -201,4 +199,4 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
         fields[DRIFT + k] = drift
         fields[CORNER + k] = corner
         fields[END + k] = end
-        fields[OUTCOME + k] = (SILENT if within else CROSSING) if plain else COMPLEX
+        fields[OUTCOME + k] = (SILENT if within else CROSSING) if plain else OTHER

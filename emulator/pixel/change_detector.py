@@ -5,12 +5,14 @@ Within a step the difference is known in closed form (see `emulator.pixel.photor
     d(s) = d(0) + rate·s + swing·(1 − exp(−s/τ))
 
 with rate = slope of the input + drift of the memorised value by leak, swing = lag − slope·τ. It
-has at most one turning point, so each side of it is monotone and holds at most one crossing of
-either threshold (Lichtsteiner, Posch, Delbruck 2008, section II: an ON event at d = θ_on, an OFF
-event at d = −θ_off, then the pixel memorises the present value).
+has at most one turning point. On each side of it, d is monotone and crosses either threshold at
+most once (Lichtsteiner, Posch, Delbruck 2008, section II: an ON event at d = θ_on, an OFF event at
+d = −θ_off, then the pixel memorises the present value).
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,23 +21,39 @@ from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp, log
 
 THETA_MIN = 0.01
-"""Least threshold that mismatch may leave a pixel (v2e's choice too): a pixel at or below zero
-would fire without end, and is not one that leaves the factory."""
+"""Smallest threshold after mismatch (also v2e's choice): a pixel with a threshold of zero or less
+would fire without end, and would not leave the factory."""
 
 NEVER_US = np.inf
 """Time of a crossing that does not happen."""
 
 TIME_TOLERANCE_US = 1e-3
-"""How exactly a crossing is found [µs]; events are stamped to 1 µs."""
+"""Precision of the time of a crossing [µs]; events are stamped to 1 µs."""
 
 _SHORT_MOVE = 0.25
 _ROUNDS_MAX = 60
 
 
+class Course(NamedTuple):
+    """The difference d(s) as a function of time.
+
+    Attributes:
+        start: d(0).
+        rate: steady slope of d [1/µs].
+        swing: amplitude of the exponential part of d.
+        tau_us: time constant τ of the photoreceptor [µs].
+    """
+
+    start: float
+    rate: float
+    swing: float
+    tau_us: float
+
+
 def draw_thresholds(
     mean: float, mismatch: float, pixels: int, rng: np.random.Generator
 ) -> npt.NDArray[np.float32]:
-    """Frozen thresholds of all pixels: Gaussian, at least `THETA_MIN`.
+    """Draw the thresholds of all pixels: Gaussian, at least `THETA_MIN`.
 
     Returns:
         (pixels,) float32 [ln units].
@@ -45,30 +63,30 @@ def draw_thresholds(
 
 
 @compiled
-def difference(start: float, rate: float, swing: float, tau_us: float, s_us: float) -> float:
-    """Difference d(s) to the memorised value, `s_us` into the step."""
-    return start + rate * s_us + swing * (1.0 - exp(-s_us / tau_us))
+def difference(course: Course, s_us: float) -> float:
+    """Return the difference d(s) to the memorised value, `s_us` into the step."""
+    return course.start + course.rate * s_us + course.swing * (1.0 - exp(-s_us / course.tau_us))
 
 
 @compiled
-def turning_point_us(rate: float, swing: float, tau_us: float, span_us: float) -> float:
-    """Time at which d(s) turns, or `span_us` where it doesn't before."""
-    share = -rate * tau_us / swing
+def turning_point_us(course: Course, span_us: float) -> float:
+    """Return the time at which d(s) turns, or `span_us` if it does not turn before."""
+    share = -course.rate * course.tau_us / course.swing
     if not 0.0 < share < 1.0:
         return span_us
-    return min(span_us, -tau_us * log(share))
+    return min(span_us, -course.tau_us * log(share))
 
 
 @inlined
 def is_close(move: float, curvature: float, slope: float, per_us: float) -> bool:
-    """Whether a step of Newton's has come within the tolerance.
+    """Return True if a Newton step has reached the tolerance.
 
-    It leaves an error of |d''/2d'|·move², if the move is so short that d'' hardly changes.
+    The error that it leaves is |d''/2d'|·move², if the step is so short that d'' hardly changes.
 
     Args:
         move: the step [µs].
-        curvature: d'' before it, up to its sign [1/µs²].
-        slope: d' before it [1/µs].
+        curvature: d'' before the step, up to its sign [1/µs²].
+        slope: d' before the step [1/µs].
         per_us: 1/τ [1/µs].
     """
     near = abs(move) * per_us <= _SHORT_MOVE
@@ -76,15 +94,14 @@ def is_close(move: float, curvature: float, slope: float, per_us: float) -> bool
 
 
 @compiled
-def level_crossing_us(
-    level: float, start: float, rate: float, swing: float, tau_us: float, low: float, high: float
-) -> float:
-    """Time in [low, high], where d is monotone, at which it meets `level` [µs].
+def level_crossing_us(level: float, course: Course, low: float, high: float) -> float:
+    """Return the time in [low, high], where d is monotone, at which d equals `level` [µs].
 
-    Newton's steps from the chord, kept inside a bracket that halves when they leave it.
+    Newton's method, started on the chord. A bisection replaces a step that leaves the bracket.
     """
-    bottom = difference(start, rate, swing, tau_us, low)
-    top = difference(start, rate, swing, tau_us, high)
+    start, rate, swing, tau_us = course
+    bottom = difference(course, low)
+    top = difference(course, high)
     rising = top > bottom
     per_us = 1.0 / tau_us
     s = low + (high - low) * min(max((level - bottom) / (top - bottom), 0.0), 1.0)
@@ -108,29 +125,21 @@ def level_crossing_us(
 
 @compiled
 def stays_within(
-    start: float,
-    rate: float,
-    swing: float,
-    tau_us: float,
-    span_us: float,
-    decay: float,
-    theta_on: float,
-    theta_off: float,
+    course: Course, span_us: float, decay: float, theta_on: float, theta_off: float
 ) -> bool:
-    """Whether d surely stays between the thresholds for `span_us`: the quick answer.
+    """Return True if d certainly stays between the thresholds for `span_us`: a quick test.
 
-    It does if d ends between them and, its slope having the same sign at both ends, is monotone.
+    It does if d ends between them and its slope has the same sign at both ends, so that d is
+    monotone.
 
     Args:
-        start: d(0), between the thresholds.
-        rate: steady slope of d [1/µs].
-        swing: amplitude of the exponential part of d.
-        tau_us: time constant of the photoreceptor [µs].
-        span_us: how far to look [µs].
+        course: the difference; d(0) is between the thresholds.
+        span_us: duration [µs].
         decay: exp(−span/τ), which the caller needs anyway.
         theta_on: ON threshold, positive.
         theta_off: OFF threshold, positive.
     """
+    start, rate, swing, tau_us = course
     end = start + rate * span_us + swing * (1.0 - decay)
     monotone = (rate * tau_us + swing) * (rate * tau_us + swing * decay) >= 0.0
     return monotone and -theta_off < end < theta_on
@@ -138,36 +147,27 @@ def stays_within(
 
 @compiled
 def first_crossing(
-    start: float,
-    rate: float,
-    swing: float,
-    tau_us: float,
-    span_us: float,
-    theta_on: float,
-    theta_off: float,
+    course: Course, span_us: float, theta_on: float, theta_off: float
 ) -> tuple[float, bool]:
-    """First crossing of either threshold within (0, span_us].
+    """Return the first crossing of either threshold within (0, span_us].
 
     Args:
-        start: d(0), between the thresholds.
-        rate: steady slope of d [1/µs].
-        swing: amplitude of the exponential part of d.
-        tau_us: time constant of the photoreceptor [µs].
-        span_us: how far to look [µs].
+        course: the difference; d(0) is between the thresholds.
+        span_us: end of the search [µs].
         theta_on: ON threshold, positive.
         theta_off: OFF threshold, positive.
 
     Returns:
-        Time [µs], `NEVER_US` if there is none, and whether it is ON.
+        Time [µs], `NEVER_US` if there is none; and True if it is the ON threshold.
     """
     low = 0.0
-    high = turning_point_us(rate, swing, tau_us, span_us)
+    high = turning_point_us(course, span_us)
     for _ in range(2):
-        end = difference(start, rate, swing, tau_us, high)
+        end = difference(course, high)
         if end >= theta_on:
-            return level_crossing_us(theta_on, start, rate, swing, tau_us, low, high), True
+            return level_crossing_us(theta_on, course, low, high), True
         if end <= -theta_off:
-            return level_crossing_us(-theta_off, start, rate, swing, tau_us, low, high), False
+            return level_crossing_us(-theta_off, course, low, high), False
         low = high
         high = span_us
     return NEVER_US, False

@@ -1,22 +1,24 @@
-"""Noise as processes in time: leak, shot noise, hot pixels; and the random numbers they use.
+"""Noise as processes in time (leak, shot noise, hot pixels), and the random numbers for them.
 
-Rates are per pixel and depend on the illuminance of the chip alone. A clock per pixel counts down
-a unit exponential by rate·time, so that what fires, and when, does not depend on the steps.
+Rates are per pixel and depend on the illuminance on the chip alone. A clock in each pixel counts a
+unit exponential random number down by rate·time, so that the noise events and their times do not
+depend on the steps.
 
-Shot noise is a Poisson process in time whose rate depends on light alone: events are the first
-passages of that clock, and nothing is drawn per frame. It is no noise voltage that crosses
-thresholds, so its rate depends neither on the thresholds, nor on their mismatch, nor on the
-biases; in a real pixel it does (Graça, Delbruck 2021).
+Shot noise is a Poisson process in time whose rate depends on illuminance alone: events are the
+first passages of that clock, and nothing is drawn per frame. It is not modelled as a noise voltage
+that crosses thresholds. Its rate therefore depends neither on the thresholds and their mismatch nor
+on the biases; in a real pixel it does (Graça, Delbruck 2021).
 
-Shot noise: background activity of Joubert et al. 2021 (Front. Neurosci. 15; 50×50 pixels):
-ON/OFF 5.6/4.2 Hz at 0.1 lux, 0.104/0.0012 Hz at 161 lux, 0.172/0 Hz at 3 klux. Its ON rates hold
-the leak, which here is a process of its own (0.1 Hz + 2.4e-5 Hz/lux, see `SensorConfig`). What is
-left for shot noise is 5.5/4.2 Hz at 0.1 lux and 0/0.0012 Hz at 161 lux; one power law through the
-OFF points, with the ratio 5.5:4.2 of ON to OFF at all levels, meets every point within 2 %. Above
-161 lux it goes on (5e-5 Hz at 3 klux, where the recording saw none). Below 0.1 lux it stays
-(assumed), since the bandwidth that lets the noise through falls with the light (Graça, Delbruck
-2021). We could not find whether the source's lux are on the scene or on the chip: they are taken
-as on the chip, as in Graça and Delbruck; that is the reading with more noise.
+Shot noise rates: background activity of Joubert et al. 2021 (Front. Neurosci. 15; 50×50 pixels):
+ON/OFF 5.6/4.2 Hz at 0.1 lux, 0.104/0.0012 Hz at 161 lux, 0.172/0 Hz at 3 klux. Its ON rates
+include the leak, which is a separate process here (0.1 Hz + 2.4e-5 Hz/lux, see `SensorConfig`).
+What remains for shot noise is 5.5/4.2 Hz at 0.1 lux and 0/0.0012 Hz at 161 lux. One power law
+through the OFF points, with a constant ratio of ON to OFF of 5.5:4.2, meets every point within 2 %.
+Above 161 lux the power law continues (5e-5 Hz at 3 klux, where the recording had no event). Below
+0.1 lux the rate is constant (assumed), since the bandwidth that lets the noise through falls with
+the light (Graça, Delbruck 2021). We could not find whether the source gives illuminance on the
+scene or on the chip: it is taken as on the chip, as in Graça and Delbruck; that is the
+interpretation with more noise.
 """
 
 from __future__ import annotations
@@ -49,11 +51,11 @@ class NoiseLaw(NamedTuple):
     """Rates per µs as functions of u = ln(current in lux, dark current included).
 
     Attributes:
-        shot_log_min: u below which shot noise grows no more.
-        shot_log: logarithm of the OFF rate at u = 0.
-        shot_power: its slope, d ln(rate)/du.
+        shot_log_min: u below which the rate of shot noise is constant.
+        shot_log: logarithm of the OFF rate of shot noise at u = 0.
+        shot_power: slope d ln(rate)/du of shot noise.
         leak_dark: drift of the memorised value without light [ln units/µs].
-        leak_per_lux: drift that light adds [ln units/(µs·lux)].
+        leak_per_lux: additional drift per illuminance [ln units/(µs·lux)].
         dark_lux: dark current [lux].
     """
 
@@ -66,7 +68,7 @@ class NoiseLaw(NamedTuple):
 
 
 def noise_law(config: SensorConfig) -> NoiseLaw:
-    """Rates of a sensor: a power law through the published points, and the leak's line."""
+    """Return the rates of a sensor: a power law for shot noise, a straight line for the leak."""
     low, high = (math.log(lux + config.dark_lux) for lux in SHOT_LUX)
     scale = config.shot_noise_scale * 1e-6
     power = math.log(SHOT_OFF_HZ[1] / SHOT_OFF_HZ[0]) / (high - low)
@@ -82,23 +84,27 @@ def noise_law(config: SensorConfig) -> NoiseLaw:
 
 @inlined
 def shot_rates(law: NoiseLaw, log_lux: float) -> tuple[float, float]:
-    """Shot noise of a pixel, ON and OFF [events/µs], at u = `log_lux`."""
+    """Return the rates of ON and OFF shot noise of a pixel [events/µs] at u = `log_lux`."""
     off = exp(law.shot_log + law.shot_power * max(log_lux, law.shot_log_min))
     return SHOT_ON_PER_OFF * off, off
 
 
 @inlined
 def leak_drift(law: NoiseLaw, current_lux: float) -> float:
-    """Drift of the memorised value [ln units/µs] at a current of `current_lux`, dark included.
+    """Return the drift of the memorised value [ln units/µs].
 
-    In a pixel of nominal threshold it makes leak_hz + leak_hz_per_lux·E ON events a second
+    In a pixel with the nominal threshold it causes leak_hz + leak_hz_per_lux·E ON events per second
     (Nozaki, Delbruck 2017).
+
+    Args:
+        law: rates of the sensor.
+        current_lux: current including the dark current, as an illuminance [lux].
     """
     return law.leak_dark + law.leak_per_lux * (current_lux - law.dark_lux)
 
 
 def draw_hot_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDArray[np.float32]:
-    """Frozen rates of hot pixels: (height·width,) float32 [events/µs], 0 for the healthy."""
+    """Draw the rates of the hot pixels: (pixels,) float32 [events/µs], 0 for other pixels."""
     pixels = config.width * config.height
     hot = rng.random(pixels) < config.hot_fraction
     rates = rng.uniform(config.hot_hz_min, config.hot_hz_max, pixels)
@@ -106,7 +112,7 @@ def draw_hot_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDArra
 
 
 def draw_crazy_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDArray[np.float32]:
-    """Frozen rates of crazy pixels: (height·width,) float32 [events/µs], 0 for the healthy."""
+    """Draw the rates of the crazy pixels: (pixels,) float32 [events/µs], 0 for other pixels."""
     pixels = config.width * config.height
     crazy = rng.random(pixels) < config.crazy_fraction
     rates = rng.uniform(config.crazy_hz_min, config.crazy_hz_max, pixels)
@@ -115,9 +121,9 @@ def draw_crazy_rates(config: SensorConfig, rng: np.random.Generator) -> npt.NDAr
 
 @compiled
 def uniform(seed: np.uint64, pixel: int, draw: int | np.int64) -> float:
-    """Random number in (0, 1) that depends on (seed, pixel, draw) alone.
+    """Return a random number in (0, 1) that depends on (seed, pixel, draw) alone.
 
-    SplitMix64's finaliser (Steele, Lea, Flood 2014), once for the counter and once for the seed.
+    The finaliser of SplitMix64 (Steele, Lea, Flood 2014), applied to the counter and to the seed.
     """
     z = ((np.uint64(pixel) << _S32) | np.uint64(draw)) * _GOLDEN
     for _ in range(2):
@@ -129,21 +135,21 @@ def uniform(seed: np.uint64, pixel: int, draw: int | np.int64) -> float:
 
 @compiled
 def exponential(seed: np.uint64, pixel: int, draw: int | np.int64) -> float:
-    """Unit exponential random number that depends on (seed, pixel, draw) alone."""
+    """Return a unit exponential random number that depends on (seed, pixel, draw) alone."""
     return -log(uniform(seed, pixel, draw))
 
 
 @compiled
 def draw_gaussians(seed: np.uint64, first: np.uint64, out: npt.NDArray[np.float32]) -> None:
-    """Fill `out` with independent Gaussian numbers of unit variance.
+    """Fill `out` with independent Gaussian random numbers of unit variance.
 
-    Box and Muller's transform (1958) of two 32-bit halves of SplitMix64's finaliser; no number is
-    beyond 6.8.
+    The transform of Box and Muller (1958), applied to the two 32-bit halves of the finaliser of
+    SplitMix64; no number is beyond ±6.8.
 
     Args:
-        seed: of the sequence.
-        first: place in the sequence to begin with, in pairs.
-        out: (n,) float32, put out.
+        seed: seed of the sequence.
+        first: position in the sequence at which to begin, in pairs.
+        out: (n,) float32, output array.
     """
     pairs = (out.size + 1) // 2
     ones, others = out[:pairs], out[out.size - pairs :]

@@ -1,4 +1,4 @@
-"""From the luminance of the scene to the illuminance of the chip."""
+"""From the luminance of the scene to the illuminance on the chip."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import math
 
 
 def lux_per_cd_m2(*, f_number: float, transmission: float) -> float:
-    """Illuminance on the chip per luminance of the scene (the camera equation).
+    """Return the illuminance on the chip per luminance of the scene (the camera equation).
 
-    E = π·T·L/(4·N²) for an object much farther than the focal length; vignetting is left out.
+    E = π·T·L/(4·N²) for an object much farther away than the focal length, without vignetting.
 
     Args:
         f_number: lens aperture N, focal length over diameter.
-        transmission: share T of the light that passes the lens.
+        transmission: fraction T of the light that passes the lens.
 
     Returns:
         E/L [lux per cd/m²].

@@ -1,16 +1,18 @@
-"""The logarithmic photoreceptor: a first-order low-pass whose cutoff follows the light.
+"""The logarithmic photoreceptor: a first-order low-pass whose cutoff grows with the light.
 
-The output v follows u = ln(photocurrent + dark current) through τ·dv/dt = u − v with 1/τ = 2πf and
-f proportional to the current up to a bias limit (Lichtsteiner, Posch, Delbruck 2008).
+The output v follows u = ln(photocurrent + dark current) through τ·dv/dt = u − v with 1/τ = 2πf, and
+f is proportional to the current up to a limit set by the biases (Lichtsteiner, Posch, Delbruck
+2008).
 
-Between two samples u is taken as a straight line. Of the inputs with an exact solution, this one
-has no jumps (a constant would make one at every frame, and heap events there) and is what a
-pattern with a smooth edge does to the logarithm. With the lag l = u − v and the slope r of u:
+Between two samples, u changes linearly. Of the inputs with an exact solution, this one has no jumps
+(a constant input would jump at every frame, and concentrate events there), and the logarithm
+changes in this way when a pattern with a smooth edge moves. With the lag l = u − v and the slope r
+of u:
 
     l(s) = r·τ + (l(0) − r·τ)·exp(−s/τ)
 
-which holds for steps of any length, and chains: two halves give the whole. Current is in lux on
-the chip, time in µs, everything else in natural logarithms.
+This holds for steps of any length, and two half steps give the same as one whole step. Currents are
+given in lux on the chip, times in µs, and everything else in natural logarithms.
 """
 
 from __future__ import annotations
@@ -19,22 +21,22 @@ from flybench.kernels import compiled, inlined
 from flybench.portable_math import log
 
 LOG_PIECE = 0.25
-"""Largest change of u over which τ is held constant, at its value half-way: its mean is then off by
-less than 0.3 %. Longer ramps are cut into pieces where τ follows the light."""
+"""Largest change of u over which τ is held constant, at its value in the middle. The mean of τ is
+then wrong by less than 0.3 %. Longer ramps are cut into pieces where τ depends on the light."""
 
 
 @inlined
 def log_current(lux: float, dark_lux: float) -> float:
-    """Steady output of the photoreceptor, u = ln(E + E_dark), at `lux` on the chip."""
+    """Return the steady output of the photoreceptor, u = ln(E + E_dark), at `lux` on the chip."""
     return log(lux + dark_lux)
 
 
 @inlined
 def corner_per_us(current_lux: float, corner_per_lux: float, corner_limit: float) -> float:
-    """Corner 1/τ [1/µs] at a current of `current_lux`, the dark current included.
+    """Return the corner frequency 1/τ [1/µs].
 
     Args:
-        current_lux: current, as the illuminance that makes it [lux].
+        current_lux: current including the dark current, as an illuminance [lux].
         corner_per_lux: 1/τ per lux [1/(µs·lux)].
         corner_limit: 1/τ that the biases allow [1/µs].
     """
@@ -43,14 +45,21 @@ def corner_per_us(current_lux: float, corner_per_lux: float, corner_limit: float
 
 @inlined
 def lag_after(lag: float, slope: float, tau_us: float, decay: float) -> float:
-    """Lag u − v after a ramp of `slope` per µs, for so long that exp(−s/τ) is `decay`."""
+    """Return the lag u − v after a ramp of u.
+
+    Args:
+        lag: lag at the start of the ramp [ln units].
+        slope: slope of u [ln units/µs].
+        tau_us: time constant τ [µs].
+        decay: exp(−s/τ) for a ramp of duration s.
+    """
     steady = slope * tau_us
     return steady + (lag - steady) * decay
 
 
 @compiled
 def ramp_pieces(log_from: float, log_to: float, log_limit: float) -> int:
-    """Into how many pieces to cut a ramp of u, so that τ may be constant in each.
+    """Return the number of pieces to cut a ramp of u into, so that τ may be constant in each.
 
     Args:
         log_from: u at the start [ln lux].

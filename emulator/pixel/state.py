@@ -1,4 +1,4 @@
-"""The state of all event pixels, and what is frozen about them."""
+"""The state of all event pixels, their mismatch, and the constants of the kernels."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from emulator.pixel.optics import lux_per_cd_m2
 from flybench.kernels import compiled
 
 BLOCK = 64
-"""Neighbouring pixels that are looked at together: one bit each of a 64-bit mask."""
+"""Number of neighbouring pixels in a block: one bit each of a 64-bit mask."""
 
 Floats = npt.NDArray[np.float32]
 Ticks = npt.NDArray[np.int32]
-"""Times [µs from the first sample], modulo 2^32: differences of up to 35 minutes are exact, and
-none is greater, since a pixel sleeps for 18 minutes at most."""
+"""Times [µs from the first sample], modulo 2^32. Differences of up to 35 minutes are exact; none is
+greater, since a pixel sleeps for 18 minutes at most."""
 
 
 PIXEL_DTYPE = np.dtype(
@@ -30,29 +30,29 @@ PIXEL_DTYPE = np.dtype(
         ("leak", np.float32),
         ("clock", np.float32),
         ("draws", np.uint32),
-        ("touched_us", np.int32),
+        ("updated_us", np.int32),
         ("theta_on", np.float32),
         ("theta_off", np.float32),
         ("hot_rate", np.float32),
     ],
     align=True,
 )
-"""One pixel: what it remembers, and what mismatch has made of it once and for all. Differences,
-not levels, are kept, since float32 resolves them to 1e-8. With its light and its time to wake it
-takes 44 bytes: 32 of state, 12 of mismatch.
+"""State and mismatch of one pixel. It holds differences, not levels, since float32 resolves
+differences to 1e-8. With its luminance and its wake time, a pixel takes 44 bytes: 32 of state, 12
+of mismatch.
 
-lag: u less the photoreceptor's output [ln units].
-change: photoreceptor's output less the memorised value, without leak [ln units].
-leak: what leak has added to that difference since the last event [ln units]; in a pixel held in
-    reset, where it is zero, minus what is left of the refractory period [µs].
-clock: what is left of the unit exponential that times the next noise event.
-draws: random numbers used so far.
-touched_us: time up to which the others hold; a sleeping pixel (its light constant, no event
-    before its time to wake) is left as it was.
+lag: u minus the photoreceptor's output [ln units].
+change: photoreceptor's output minus the memorised value, without leak [ln units].
+leak: contribution of the leak to that difference since the last event [ln units]; in a pixel held
+    in reset, where this is zero, minus the rest of the refractory period [µs].
+clock: rest of the unit exponential random number that times the next noise event.
+draws: number of random numbers used so far.
+updated_us: time at which the state above was computed; the state of a sleeping pixel (constant
+    luminance, no event before its wake time) is not updated.
 theta_on: ON threshold [ln units].
 theta_off: OFF threshold, positive [ln units].
-hot_rate: rate of a hot pixel; minus that of a crazy one, which fires ON and OFF; 0 for others
-    [events/µs].
+hot_rate: rate of a hot pixel; minus the rate of a crazy pixel, which fires ON and OFF; 0 for other
+    pixels [events/µs].
 """
 
 Pixels: TypeAlias = npt.NDArray[Any]
@@ -60,36 +60,37 @@ Pixels: TypeAlias = npt.NDArray[Any]
 
 
 class PixelState(NamedTuple):
-    """All pixels, row by row.
+    """State of all pixels, row by row.
 
     Attributes:
-        luminance: (pixels,) light at the last sample [cd/m²].
-        wake_us: (pixels,) no event is possible before, unless the light changes.
+        luminance: (pixels,) luminance at the last sample [cd/m²].
+        wake_us: (pixels,) time before which no event is possible unless the luminance changes.
         block_wake_us: (blocks,) earliest `wake_us` of each block.
-        pixels: (pixels,) what they remember, and are.
-        behind: (pixels,) photoreceptor's output less its follower's [ln units]; (0,) without one.
+        pixels: (pixels,) state and mismatch of each pixel.
+        second_lag: (pixels,) photoreceptor's output minus the follower's [ln units]; (0,) without
+            a follower.
     """
 
     luminance: Floats
     wake_us: Ticks
     block_wake_us: Ticks
     pixels: Pixels
-    behind: Floats
+    second_lag: Floats
 
 
 class PixelModel(NamedTuple):
-    """Constants of the kernels, the same for all pixels.
+    """Constants of the kernels, equal for all pixels.
 
     Attributes:
-        lux_per_cd_m2: illuminance of the chip per luminance of the scene.
+        lux_per_cd_m2: illuminance on the chip per luminance of the scene.
         dark_lux: dark current [lux].
         corner_per_lux: 1/τ of the photoreceptor per lux [1/(µs·lux)].
         corner_limit: 1/τ that the biases allow [1/µs].
-        log_limit: u above which the biases limit [ln lux].
+        log_limit: u above which the biases limit 1/τ [ln lux].
         refractory_us: refractory period [µs].
-        follower_us: time constant of the follower, 0 without one [µs].
-        noise: rates of noise against light.
-        seed: of the random numbers in the kernels.
+        follower_us: time constant of the follower, 0 without a follower [µs].
+        noise: rates of noise as functions of the current.
+        seed: seed of the random numbers in the kernels.
     """
 
     lux_per_cd_m2: float
@@ -103,10 +104,17 @@ class PixelModel(NamedTuple):
     seed: np.uint64
 
 
-def draw_pixels(config: SensorConfig, rng: np.random.Generator) -> Pixels:
-    """Draw the thresholds and the faulty pixels of a sensor; memories are zero.
+class StepTimes(NamedTuple):
+    """Start and end of a step [µs from the first sample]."""
 
-    A dead pixel has thresholds that nothing reaches, and a clock that never runs out.
+    from_us: int
+    to_us: int
+
+
+def draw_pixels(config: SensorConfig, rng: np.random.Generator) -> Pixels:
+    """Draw the thresholds and the faulty pixels of a sensor; the state is zero.
+
+    A dead pixel has infinite thresholds, and a noise clock that never runs out.
     """
     count = config.width * config.height
     pixels = np.zeros(count, PIXEL_DTYPE)
@@ -123,7 +131,7 @@ def draw_pixels(config: SensorConfig, rng: np.random.Generator) -> Pixels:
 
 
 def make_model(config: SensorConfig, seed: np.uint64) -> PixelModel:
-    """Constants of the kernels for a sensor."""
+    """Return the constants of the kernels for a sensor."""
     per_hz = 2.0 * math.pi * 1e-6
     return PixelModel(
         lux_per_cd_m2=lux_per_cd_m2(f_number=config.f_number, transmission=config.transmission),
@@ -139,12 +147,12 @@ def make_model(config: SensorConfig, seed: np.uint64) -> PixelModel:
 
 
 @compiled
-def wind_up(pixels: Pixels, seed: np.uint64) -> None:
-    """Wind the noise clocks of pixels up for the first time.
+def start_clocks(pixels: Pixels, seed: np.uint64) -> None:
+    """Start the noise clocks of all pixels.
 
     Args:
         pixels: (pixels,) changed in place.
-        seed: of the random numbers.
+        seed: seed of the random numbers.
     """
     for i in range(pixels.size):
         dead = pixels[i].theta_on == np.inf
@@ -153,18 +161,18 @@ def wind_up(pixels: Pixels, seed: np.uint64) -> None:
 
 
 def settled_state(luminance: Floats, model: PixelModel, pixels: Pixels) -> PixelState:
-    """Pixels that have looked at one scene for long.
+    """Return the state of pixels that have settled to a scene.
 
     Args:
-        luminance: (pixels,) light of the scene [cd/m²].
-        model: the sensor.
-        pixels: (pixels,) as they were drawn; changed in place.
+        luminance: (pixels,) luminance of the scene [cd/m²].
+        model: constants of the sensor.
+        pixels: (pixels,) as drawn; changed in place.
     """
-    wind_up(pixels, model.seed)
+    start_clocks(pixels, model.seed)
     return PixelState(
         luminance=luminance.copy(),
         wake_us=np.zeros(luminance.size, np.int32),
         block_wake_us=np.zeros(-(-luminance.size // BLOCK), np.int32),
         pixels=pixels,
-        behind=np.zeros(luminance.size if model.follower_us > 0.0 else 0, np.float32),
+        second_lag=np.zeros(luminance.size if model.follower_us > 0.0 else 0, np.float32),
     )

@@ -1,9 +1,10 @@
-"""All event pixels through one step of light: the hot loop of the emulator.
+"""All event pixels through one step: the hot loop of the emulator.
 
-A pixel is worked on only where its light has changed or where its next event is due (see
-`emulator.pixel.scan`). Those are followed in batches (`emulator.pixel.batch`), and their crossings
-found in batches (`emulator.pixel.threshold_crossings`), as long as they have one event at most; the
-others go their way one by one (`emulator.pixel.batch_return`, `emulator.pixel.single_pixel`).
+Only the active pixels are computed: those whose luminance has changed or whose next event is due
+(`emulator.pixel.active_pixels`). They are followed in batches (`emulator.pixel.batch`), and their
+crossings are computed in batches (`emulator.pixel.threshold_crossings`), as long as they have one
+event at most. The others are computed one by one (`emulator.pixel.batch_events`,
+`emulator.pixel.single_pixel`).
 """
 
 from __future__ import annotations
@@ -11,16 +12,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.batch import (
-    BATCH,
-    Batch,
-    follow_batch,
-    gather,
-    rounded_up,
-)
-from emulator.pixel.batch_return import finish_batch, return_followed
-from emulator.pixel.scan import GROUP, Work, next_block
-from emulator.pixel.state import BLOCK, PixelModel, PixelState, Ticks
+from emulator.pixel.active_pixels import GROUP, ActiveMasks, Share, next_block
+from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
+from emulator.pixel.batch_events import step_others, store_finished
+from emulator.pixel.state import BLOCK, PixelModel, PixelState, StepTimes
 from emulator.pixel.threshold_crossings import solve_crossings
 from emulator.readout.event_keys import Keys
 from flybench.kernels import compiled
@@ -31,37 +26,37 @@ _ONE = np.uint64(1)
 
 @compiled
 def doubled(keys: Keys) -> Keys:
-    """Array of twice the size with the same keys at its start."""
+    """Return an array of twice the size with the keys at its start."""
     larger = np.empty(2 * keys.size, np.int64)
     larger[: keys.size] = keys
     return larger
 
 
 @compiled
-def fill_batch(work: Work, block: int, parts: int, batch: Batch) -> tuple[int, int]:
-    """Collect pixels that have work, block after block, as long as the next block's have room.
+def fill_batch(masks: ActiveMasks, block: int, parts: int, batch: Batch) -> tuple[int, int]:
+    """Collect active pixels, block after block, while the next block is certain to fit.
 
     Args:
-        work: which pixels have work.
-        block: block to begin with.
-        parts: how many threads take turns in groups of blocks.
+        masks: active pixels.
+        block: block at which to begin.
+        parts: number of threads that take turns in groups of blocks.
         batch: changed in place.
 
     Returns:
-        The block to go on with, and how many pixels the batch holds.
+        The block at which to continue, and the number of pixels in the batch.
     """
-    changed, due, places, changes = work.changed, work.due, batch.places, batch.changed
+    changed, due, indices, changes = masks.changed, masks.due, batch.indices, batch.changed
     count = 0
     while block < changed.size and count <= BATCH - BLOCK:
         mask = changed[block]
         while mask:
-            places[count] = block * BLOCK + int(lowest_bit(mask))
+            indices[count] = block * BLOCK + int(lowest_bit(mask))
             changes[count] = True
             count += 1
             mask &= mask - _ONE
         mask = due[block] & ~changed[block]
         while mask:
-            places[count] = block * BLOCK + int(lowest_bit(mask))
+            indices[count] = block * BLOCK + int(lowest_bit(mask))
             changes[count] = False
             count += 1
             mask &= mask - _ONE
@@ -70,18 +65,17 @@ def fill_batch(work: Work, block: int, parts: int, batch: Batch) -> tuple[int, i
 
 
 @compiled
-def set_block_wake(
-    wake_us: Ticks, block_wake_us: Ticks, work: Work, to_us: np.int32, part: int, parts: int
-) -> None:
-    """Note the earliest time to wake of each block of a thread that had work."""
-    block, changed, due = part * GROUP, work.changed, work.due
+def update_block_wake(state: PixelState, masks: ActiveMasks, to_us: np.int32, share: Share) -> None:
+    """Update the earliest wake time of each block of a thread that had active pixels."""
+    wake_us, block_wake_us = state.wake_us, state.block_wake_us
+    block, changed, due = share.part * GROUP, masks.changed, masks.due
     while block < changed.size:
         if changed[block] | due[block]:
             first, soonest = np.uint64(block * BLOCK), np.int32(2**30)
             for i in range(min(BLOCK, wake_us.size - block * BLOCK)):
                 soonest = min(soonest, np.int32(wake_us[first + np.uint64(i)] - to_us))
             block_wake_us[block] = np.int32(soonest + to_us)
-        block = next_block(block, parts)
+        block = next_block(block, share.parts)
 
 
 @compiled
@@ -89,48 +83,43 @@ def step_pixels(
     state: PixelState,
     model: PixelModel,
     luminance: npt.NDArray[np.float32],
-    from_us: int,
-    to_us: int,
-    work: Work,
-    part: int,
-    parts: int,
+    times: StepTimes,
+    masks: ActiveMasks,
+    share: Share,
     batch: Batch,
     keys: Keys,
 ) -> tuple[Keys, int]:
-    """Take the pixels of one thread through one step of light.
+    """Take the pixels of one thread through one step.
 
     Args:
-        state: of all pixels; changed in place.
+        state: state of all pixels; changed in place.
         model: constants of the sensor.
-        luminance: (pixels,) light at the end of the step [cd/m²].
-        from_us: start of the step [µs from the first sample].
-        to_us: its end.
-        work: which pixels have work, from `find_work`.
-        part: number of this thread, from 0.
-        parts: how many threads there are.
-        batch: room for a batch.
-        keys: array to put the events' keys in.
+        luminance: (pixels,) luminance at the end of the step [cd/m²].
+        times: start and end of the step.
+        masks: active pixels, from `find_active`.
+        share: blocks of this thread.
+        batch: an empty batch.
+        keys: output array for the keys of the events.
 
     Returns:
-        The keys, in a larger array where need be, and how many are in use.
+        The array of the keys, replaced by a larger one if necessary; and the number of entries in
+        use.
     """
     used = 0
-    span_us = np.float64(to_us - from_us)
-    block, blocks = part * GROUP, work.changed.size
+    span_us = np.float64(times.to_us - times.from_us)
+    block, blocks = share.part * GROUP, masks.changed.size
     while block < blocks:
-        block, count = fill_batch(work, block, parts, batch)
-        gather(state.pixels, state.luminance, luminance, from_us, batch.places, count, batch.fields)
+        block, count = fill_batch(masks, block, share.parts, batch)
+        gather(state, luminance, times.from_us, batch, count)
         follow_batch(batch.fields, model, rounded_up(count), span_us)
         solve_crossings(batch, model, count, span_us)
         if keys.size - used < BATCH:
             keys = doubled(keys)
-        used = return_followed(state, luminance, to_us - from_us, to_us, batch, count, keys, used)
+        used = store_finished(state, luminance, times, batch, count, keys, used)
         done = 0
         while done < count:
-            done, used = finish_batch(
-                state, model, luminance, from_us, to_us, batch, done, count, keys, used
-            )
+            done, used = step_others(state, model, luminance, times, batch, done, count, keys, used)
             if done < count:
                 keys = doubled(keys)
-    set_block_wake(state.wake_us, state.block_wake_us, work, np.int32(to_us), part, parts)
+    update_block_wake(state, masks, np.int32(times.to_us), share)
     return keys, used

@@ -1,15 +1,15 @@
-"""The crossings of many pixels at once: the second pass over a batch.
+"""The threshold crossings of many pixels at once: the second pass over a batch.
 
 Of the pixels that cross a threshold, nearly all do so once in a step of a millisecond. Their
-crossings are found together by as many of Newton's steps as nearly all need; after it they are
-held in reset and followed to the end as in `emulator.pixel.single_pixel`. Those that have not
-converged, or that may cross again, are left to it.
+crossings are computed together, with a fixed number of Newton steps that suffices for nearly all.
+Then the pixels are held in reset and followed to the end of the step, as in
+`emulator.pixel.single_pixel`. Pixels that have not converged, or that may cross again, are left to
+that module.
 """
 
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from emulator.pixel.batch import (
     CHANGE,
@@ -45,25 +45,24 @@ from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled
 from flybench.portable_math import exp
 
-_ROUNDS = 4
+_NEWTON_STEPS = 4
 
 
 @compiled
-def gather_crossings(fields: Reals, count: int, crossers: npt.NDArray[np.int32], own: Reals) -> int:
-    """Copy the pixels of a batch that cross a threshold to the front of `own`; how many there are.
+def gather_crossings(batch: Batch, count: int) -> int:
+    """Copy the pixels that cross a threshold to `batch.crossing_fields`; return their number.
 
     Args:
-        fields: of the batch.
-        count: how many pixels it holds.
-        crossers: (BATCH,), for their places in the batch.
-        own: fields of the same layout.
+        batch: the batch; `crossing` and `crossing_fields` are changed in place.
+        count: number of pixels in the batch.
     """
+    fields, crossing, own = batch.fields, batch.crossing, batch.crossing_fields
     found = 0
     for k in range(count):
-        crossers[found] = k
+        crossing[found] = k
         found += fields[OUTCOME + k] == CROSSING
     for m in range(found):
-        k = int(crossers[m])
+        k = int(crossing[m])
         own[LAG + m] = fields[LAG + k]
         own[CHANGE + m] = fields[CHANGE + k]
         own[LEAK + m] = fields[LEAK + k]
@@ -81,7 +80,7 @@ def gather_crossings(fields: Reals, count: int, crossers: npt.NDArray[np.int32],
 
 @compiled
 def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) -> None:
-    """Find the only crossing of each of the first `count` pixels, if it has but one."""
+    """Compute the crossing of each of the first `count` pixels that has exactly one."""
     per_us = 1.0 / span_us
     for k in range(count):
         theta_on, theta_off, drift = own[THETA_ON + k], own[THETA_OFF + k], own[DRIFT + k]
@@ -102,7 +101,7 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
         theta = theta_on if on else -theta_off
         s = low + (high - low) * (theta - bottom) / (top - bottom)
         close = False
-        for _ in range(_ROUNDS):
+        for _ in range(_NEWTON_STEPS):
             bend = swing * exp(-s * corner)
             excess = level + rate * s + swing - bend - theta
             steep = rate + bend * corner
@@ -131,12 +130,11 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
 
 
 @compiled
-def return_crossings(
-    fields: Reals, count: int, crossers: npt.NDArray[np.int32], own: Reals
-) -> None:
-    """Put what was found of the first `count` crossing pixels into the batch that they are from."""
+def return_crossings(batch: Batch, count: int) -> None:
+    """Copy the results of the first `count` crossing pixels back to their batch."""
+    fields, crossing, own = batch.fields, batch.crossing, batch.crossing_fields
     for m in range(count):
-        k = np.int64(crossers[m])
+        k = np.int64(crossing[m])
         fields[OUTCOME + k] = own[OUTCOME + m]
         fields[EVENT_TIME + k] = own[EVENT_TIME + m]
         fields[MARK + k] = own[MARK + m]
@@ -149,7 +147,7 @@ def return_crossings(
 
 @compiled
 def solve_crossings(batch: Batch, model: PixelModel, count: int, span_us: float) -> None:
-    """Find the crossings of the first `count` pixels of a batch that have but one."""
-    found = gather_crossings(batch.fields, count, batch.crossers, batch.crossing)
-    find_crossings(batch.crossing, model, rounded_up(found), span_us)
-    return_crossings(batch.fields, found, batch.crossers, batch.crossing)
+    """Compute the crossings of the first `count` pixels of a batch that have exactly one."""
+    found = gather_crossings(batch, count)
+    find_crossings(batch.crossing_fields, model, rounded_up(found), span_us)
+    return_crossings(batch, found)

@@ -1,1 +1,1 @@
-"""The readout: the arbiter that takes events off the chip, row by row."""
+"""The readout: from the events of the pixels to the events that leave the chip."""

@@ -1,7 +1,8 @@
 """Events of one step as sortable integers.
 
-A key holds, from its highest bit: µs from the start of the step (30 bits), pixel (30), cause (2),
-polarity (1). So sorting integers sorts by time, then by pixel, whatever order the pixels came in.
+A key holds, from its highest bit: time from the start of the step [µs] (30 bits), pixel (30 bits),
+cause (2 bits), polarity (1 bit). Sorted integers are therefore sorted by time and then by pixel,
+in whatever order the pixels were computed.
 """
 
 from __future__ import annotations
@@ -21,17 +22,26 @@ MAX_STEP_US = 2**30 - 1
 """Longest step whose times fit into a key: 17.9 minutes."""
 
 TIME_SHIFT = 33
-"""Place of the time in a key."""
+"""Position of the lowest bit of the time."""
+
+LOW_BITS = (1 << TIME_SHIFT) - 1
+"""Mask of all bits below the time: pixel, cause and polarity."""
 
 PIXEL_MASK = 2**30 - 1
 
 
 @compiled
 def make_key(time_us: float, step_us: int, pixel: int, mark: int) -> int:
-    """Key of an event `time_us` into a step of `step_us`; `mark` is 2·cause + polarity.
+    """Return the key of an event.
 
-    The time is rounded up, and held in the half-open step (from, to]: a sum of parts of the step
+    The time is rounded up, and clipped to the half-open step (from, to]: a sum of parts of the step
     may exceed the whole by a rounding error, which would otherwise become 1 µs.
+
+    Args:
+        time_us: time from the start of the step [µs].
+        step_us: duration of the step [µs].
+        pixel: index of the pixel.
+        mark: 2·cause + polarity.
     """
     offset_us = min(max(1, math.ceil(time_us)), step_us)
     return (offset_us << TIME_SHIFT) | (pixel << 3) | mark
@@ -52,7 +62,7 @@ def _unpack(
 
 
 def unpack_keys(keys: Keys, *, start_us: int, width: int) -> tuple[Events, npt.NDArray[np.uint8]]:
-    """Turn sorted keys into events.
+    """Convert sorted keys to events.
 
     Args:
         keys: (n,) int64, sorted.

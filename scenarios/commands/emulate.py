@@ -12,7 +12,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from emulator import Davis346, SensorOutput, preset
+from emulator import EventSensor, SensorOutput, preset
 from emulator.presets import PresetName
 from formats import EventWriter, open_writer
 from scenarios.emulate.luminance_samples import (
@@ -115,7 +115,7 @@ class Emulate:
         totals: EmulationTotals,
     ) -> None:
         config = preset(self.sensor)
-        sensor = Davis346(config, seed=self.seed)
+        sensor = EventSensor(config, seed=self.seed)
         samples = luminance_samples(
             pictures,
             fps=fps,

@@ -97,7 +97,7 @@ class Run:
     ] = ()
     """Further detectors to run on the same events, for comparison; names as for --method."""
     sensor: PresetName = "davis346"
-    """Preset of the sensor; a smaller one sees the middle of the view, with pixels as large."""
+    """Preset of the sensor: its pixels, its readout and its lens, which set the field of view."""
     noise: bool = True
     """Simulate leak events, shot noise, hot pixels and frame noise; off only with davis346."""
     lead_s: float = 0.15

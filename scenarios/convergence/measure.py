@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.events import Events
 from scenarios.convergence.matching import WITHIN_US, match
 from sim import Crossing, CrossingConfig
@@ -146,7 +146,7 @@ class TimedFrames:
 
 def events_of(frames: Iterable[tuple[int, Luminance]]) -> Events:
     """Return the events of a sensor that has adapted to the first frame."""
-    sensor = Davis346(SENSOR, seed=0)
+    sensor = EventSensor(SENSOR, seed=0)
     steps = [sensor.step(t_us, luminance).events for t_us, luminance in frames]
     return np.concatenate(steps[1:])
 

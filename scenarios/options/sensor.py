@@ -1,8 +1,8 @@
 """The sensor of a command: a preset, changed by a TOML file, changed by single values.
 
 The file contains the values that differ from the preset, by the names of `emulator.SensorConfig`.
-Values of the frames are in a table `aps`, bias currents as coarse and fine codes in a table
-`biases`:
+Values of the frames are in a table `aps`, those of the readout in a table `readout`, bias currents
+as coarse and fine codes in a table `biases`:
 
     preset = "dvs128"
     theta_on = 0.25
@@ -32,6 +32,7 @@ from emulator import (
     ApsConfig,
     Bias,
     Biases,
+    ReadoutConfig,
     SensorConfig,
     SensorConfigError,
     preset,
@@ -41,7 +42,7 @@ from emulator.presets import WITHOUT_FRAMES, PresetName
 from scenarios.errors import ScenarioError
 
 DEFAULT: PresetName = "davis346"
-_PRESET, _APS, _BIASES = "preset", "aps", "biases"
+_PRESET, _APS, _READOUT, _BIASES = "preset", "aps", "readout", "biases"
 _BARE_WORD = re.compile(r"[A-Za-z_]\w*")
 _SET_HELP = (
     "Sensor parameters that differ from the preset and the file, such as theta_on=0.25 "
@@ -77,7 +78,8 @@ class SensorOptions:
         tyro.conf.arg(
             metavar="FILE",
             help="TOML file with sensor parameters that differ from the preset, such as theta_on = "
-            "0.25; frame parameters in a table [aps], bias currents in a table [biases].",
+            "0.25; parameters of frames and readout in tables [aps] and [readout], bias currents "
+            "in a table [biases].",
             help_behavior_hint="(default: no file)",
         ),
     ] = None
@@ -133,20 +135,23 @@ def sensor_of(changes: Mapping[str, Any]) -> SensorConfig:
     """Return the sensor of a preset with some parameters changed.
 
     Args:
-        changes: values by the names of `SensorConfig`; "preset", "aps" and "biases" in the form of
-            the TOML file (see the module docstring).
+        changes: values by the names of `SensorConfig`; "preset", "aps", "readout" and "biases" in
+            the form of the TOML file (see the module docstring).
 
     Raises:
         ScenarioError: a sensor has no parameter of a name.
         SensorConfigError: a value is out of its range, or there is no such preset.
     """
-    plain = {k: v for k, v in changes.items() if k not in {_PRESET, _APS, _BIASES}}
+    plain = {k: v for k, v in changes.items() if k not in {_PRESET, _APS, _READOUT, _BIASES}}
     _check_names(plain, SensorConfig, "")
     config = preset(changes.get(_PRESET, DEFAULT))
     if _BIASES in changes:
         config = with_biases(config, _biases_of(_table(changes, _BIASES, Biases)))
-    frames = _table(changes, _APS, ApsConfig)
-    return replace(config, **{**plain, _APS: replace(config.aps, **frames)})
+    parts: dict[str, Any] = {
+        _APS: replace(config.aps, **_table(changes, _APS, ApsConfig)),
+        _READOUT: replace(config.readout, **_table(changes, _READOUT, ReadoutConfig)),
+    }
+    return replace(config, **plain, **parts)
 
 
 def _biases_of(codes: Mapping[str, Any]) -> Biases:

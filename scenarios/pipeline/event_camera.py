@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from emulator import Davis346, SensorConfig, SensorOutput
+from emulator import EventSensor, SensorConfig, SensorOutput
 from flybench.events import empty_events
 from scenarios.errors import ScenarioError
 from sim import Intrinsics, PhotometricCamera, SceneConfigError
@@ -78,7 +78,7 @@ class EventCamera:
                 "Choose, for example, step_px=0.5, and period_us=1000 or None."
             )
         sensor = sensor or SensorConfig()
-        self._sensor = Davis346(sensor, seed=seed, threads=threads)
+        self._sensor = EventSensor(sensor, seed=seed, threads=threads)
         self._camera = PhotometricCamera(
             model,
             camera,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from detector.estimate import MotionEstimate
-from emulator import Davis346
+from emulator import EventSensor
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import add_truth, make_detector
@@ -46,7 +46,7 @@ def run_side_by_side(
     Returns:
         The result of each run, and the track of the target.
     """
-    sensors = {(c.sensor, c.seed): Davis346(c.sensor, seed=c.seed) for c in configs}
+    sensors = {(c.sensor, c.seed): EventSensor(c.sensor, seed=c.seed) for c in configs}
     tallies = {key: EventTally() for key in sensors}
     results = [RunResult(tallies[c.sensor, c.seed]) for c in configs]
     detectors = [make_detector(config) for config in configs]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyDetector
-from emulator import Davis346, SensorOutput
+from emulator import EventSensor, SensorOutput
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import Track
@@ -57,13 +57,14 @@ class Stopwatch:
 
 
 def make_crossing(config: RunConfig, cache: LuminanceCache | None = None) -> Crossing:
-    """Return the crossing of `config`, seen by a sensor of its size.
+    """Return the crossing of `config`, as its sensor and lens see it.
 
     Args:
         config: configuration of the run.
         cache: cache for rendered luminance; None: no cache.
     """
-    intrinsics = Intrinsics(width=config.sensor.width, height=config.sensor.height)
+    sensor = config.sensor
+    intrinsics = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
     return Crossing(config.crossing, intrinsics, cache=cache)
 
 
@@ -100,7 +101,7 @@ def run_steps(
     Yields:
         One step per sample, in order of time.
     """
-    sensor = Davis346(config.sensor, seed=config.seed)
+    sensor = EventSensor(config.sensor, seed=config.seed)
     samples = crossing.samples()
     latest: list[MotionEstimate] = []
     while True:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from detector.estimate import MotionEstimate
 from detector.metrics import within
-from emulator import ApsFrame, Davis346, SensorConfig
+from emulator import ApsFrame, EventSensor, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.pipeline.registry import gives_velocity
@@ -48,7 +48,7 @@ class SequenceEvaluation:
             recorder: records the output of the first seed's sensor and detectors.
         """
         self._config, self._detectors, self._recorder = config, detectors, recorder
-        self._sensors = {seed: Davis346(sensor, seed=seed) for seed in detectors}
+        self._sensors = {seed: EventSensor(sensor, seed=seed) for seed in detectors}
         self._first_seed = next(iter(detectors))
         self._samples: list[Sample] = []
         self._track, self._snapshots = Track(), SnapshotCollector()
@@ -104,7 +104,7 @@ class SequenceEvaluation:
                 self._snapshots.add_frames(frames)
         self._samples = []
 
-    def _sense(self, sensor: Davis346, *, is_first: bool) -> tuple[Events, list[ApsFrame]]:
+    def _sense(self, sensor: EventSensor, *, is_first: bool) -> tuple[Events, list[ApsFrame]]:
         """Return the output of a sensor for the chunk."""
         outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in self._samples]
         if is_first and self._recorder is not None:

@@ -58,7 +58,9 @@ def group_by_sequence(configs: Iterable[RunConfig]) -> list[list[RunConfig]]:
     """Return runs in groups that share a rendered sequence."""
     groups: dict[tuple[Any, ...], list[RunConfig]] = {}
     for c in configs:
-        groups.setdefault((c.crossing, c.sensor.width, c.sensor.height), []).append(c)
+        groups.setdefault(
+            (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px), []
+        ).append(c)
     return list(groups.values())
 
 

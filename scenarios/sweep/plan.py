@@ -110,6 +110,7 @@ def _check_runs(configs: Sequence[RunConfig]) -> None:
         make_detector(config)
     constant_omega = [c for c in configs if c.crossing.profile is Profile.CONSTANT_OMEGA]
     for config in {
-        (c.crossing, c.sensor.width, c.sensor.height): c for c in constant_omega
+        (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px): c
+        for c in constant_omega
     }.values():
         make_crossing(config)

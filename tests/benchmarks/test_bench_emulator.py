@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 
 FRAMES = 200
 VEHICLE = (60, 160)
@@ -75,12 +75,12 @@ def measure(
         pass_changed: True to tell the sensor in which rectangle the luminance may have changed.
     """
 
-    def step(sensor: Davis346, sample: Sample) -> int:
+    def step(sensor: EventSensor, sample: Sample) -> int:
         t_us, frame, changed = sample
         return sensor.step(t_us, frame, changed=changed if pass_changed else None).events.size
 
-    def after_five_frames() -> tuple[tuple[Davis346], dict[str, object]]:
-        sensor = Davis346(config, seed=1, threads=threads)
+    def after_five_frames() -> tuple[tuple[EventSensor], dict[str, object]]:
+        sensor = EventSensor(config, seed=1, threads=threads)
         for sample in samples[:5]:
             step(sensor, sample)
         assert sensor._state is not None
@@ -90,7 +90,7 @@ def measure(
         )
         return (sensor,), {}
 
-    def run(sensor: Davis346) -> int:
+    def run(sensor: EventSensor) -> int:
         return sum(step(sensor, sample) for sample in samples[5:])
 
     pedantic: Callable[..., int] = benchmark.pedantic

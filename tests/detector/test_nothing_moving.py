@@ -8,7 +8,7 @@ import pytest
 
 from detector.estimate import MotionEstimate
 from detector.fly.detector import FlyConfig, FlyDetector
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Events
 from tests.detector.stimuli import asphalt, hot_pixels, merged, noise
@@ -43,7 +43,7 @@ def still_street(lux: float) -> Events:
     """Return one second of events of a still street from a sensor with all noise sources."""
     reflectance = 0.2 * np.exp(asphalt(260, 346, seed=3))
     luminance = (lux * reflectance / np.pi).astype(np.float32)
-    sensor = Davis346(SensorConfig(), seed=3)
+    sensor = EventSensor(SensorConfig(), seed=3)
     steps = range(0, SECOND_US + 1, 10_000)
     events = np.concatenate([sensor.step(t_us, luminance).events for t_us in steps])
     return events[events["t"] < SECOND_US]
@@ -63,7 +63,7 @@ def flickering_texture(depth: float, *, duration_us: int = 300_000) -> Events:
     random = np.random.default_rng(0).random((260, 346)).astype(np.float32)
     texture = cv2.GaussianBlur(random, (0, 0), 2.0)
     luminance = 200 * (0.1 + 0.8 * (texture - texture.min()) / np.ptp(texture))
-    sensor, parts = Davis346(SensorConfig(), seed=1), []
+    sensor, parts = EventSensor(SensorConfig(), seed=1), []
     for t_us in range(0, duration_us + 1, 1_000):
         gain = 1 + depth * np.sin(2 * np.pi * 100 * t_us * 1e-6)
         parts.append(sensor.step(t_us, (luminance * gain).astype(np.float32)).events)

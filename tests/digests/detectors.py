@@ -22,7 +22,7 @@ from detector.fly.model_variants import (
     TimeSurface,
 )
 from detector.metrics import grms
-from emulator import Davis346, SensorOutput
+from emulator import EventSensor, SensorOutput
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.registry import DETECTORS, FLY
 from scenarios.pipeline.user_detectors import find_method
@@ -51,7 +51,7 @@ OTHERS: dict[str, dict[str, Any]] = {
 @lru_cache
 def stream() -> list[SensorOutput]:
     """What a DAVIS346 gives for the drawn light."""
-    return list(Davis346(seed=2).stream(drawn_light(WIDTH, HEIGHT)))
+    return list(EventSensor(seed=2).stream(drawn_light(WIDTH, HEIGHT)))
 
 
 def said(detector: Detector) -> list[MotionEstimate]:

@@ -11,7 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.direction import Direction
 from flybench.events import Cause
 from sim import (
@@ -127,7 +127,7 @@ def geometry(name: str) -> Iterator[Any]:
 
 def sources(name: str) -> Any:
     """Where the events of a sensor before a crossing came from."""
-    sensor = Davis346(SensorConfig(width=LENS.width, height=LENS.height), seed=3)
+    sensor = EventSensor(SensorConfig(width=LENS.width, height=LENS.height), seed=3)
     outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in samples(name)]
     events = np.concatenate([output.events for output in outputs])
     causes = np.concatenate([output.causes for output in outputs])

@@ -10,7 +10,16 @@ from typing import Any, get_args
 import numpy as np
 import numpy.typing as npt
 
-from emulator import ApsConfig, Bias, Biases, Davis346, SensorConfig, preset, with_biases
+from emulator import (
+    ApsConfig,
+    Bias,
+    Biases,
+    EventSensor,
+    ReadoutConfig,
+    SensorConfig,
+    preset,
+    with_biases,
+)
 from emulator.presets import PresetName
 from tests.digests.exact import Case
 
@@ -25,7 +34,9 @@ SENSORS: dict[str, SensorConfig] = {name: preset(name) for name in get_args(Pres
     "biases_davis240": with_biases(preset("davis240"), Biases.preset("davis240")),
     "follower": replace(SMALL, follower_hz=300.0),
     "warm_and_broken": replace(SMALL, temperature_c=60.0, dead_fraction=0.01, crazy_fraction=0.01),
-    "slow_bus": replace(SMALL, readout_limit_hz=2e4, readout_latency_us=5, refractory_us=200),
+    "slow_bus": replace(
+        SMALL, readout=ReadoutConfig(limit_hz=2e4, latency_us=5), refractory_us=200
+    ),
     "rolling_shutter": replace(SMALL, aps=ApsConfig(shutter="rolling", auto_exposure=False)),
 }
 
@@ -61,13 +72,13 @@ def _texture(noise: npt.NDArray[np.float64]) -> Image:
 def outputs(name: str, *, seed: int = 5, threads: int = 1, steps: int = 100) -> Iterator[Any]:
     """Events, causes, frames and readout of every step of a sensor."""
     config = SENSORS[name]
-    sensor = Davis346(config, seed=seed, threads=threads)
+    sensor = EventSensor(config, seed=seed, threads=threads)
     yield from sensor.stream(drawn_light(config.width, config.height, steps=steps))
 
 
 def windowed() -> Iterator[Any]:
     """The same of a sensor that is told where the light changes."""
-    sensor = Davis346(SMALL, seed=8)
+    sensor = EventSensor(SMALL, seed=8)
     window = (0, SMALL.height // 4, SMALL.width, SMALL.height * 3 // 4)
     for t_us, image in drawn_light(SMALL.width, SMALL.height, steps=60):
         yield sensor.step(t_us, image, changed=window)

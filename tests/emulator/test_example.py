@@ -1,4 +1,4 @@
-"""The first example of the README, run in a process that has no renderer to import."""
+"""The first example of the README runs in a process that cannot import the renderer."""
 
 import re
 import subprocess
@@ -19,7 +19,7 @@ def test_the_example_runs_without_the_renderer() -> None:
     lines = done.stdout.splitlines()
     assert len(lines) >= 10
     assert "frame of" in lines[0]
-    assert "events in the last step, 0 lost at the arbiter" in lines[-1]
+    assert "events in the last step, 0 lost in the readout" in lines[-1]
     assert int(lines[-1].split()[0]) > 0
 
 

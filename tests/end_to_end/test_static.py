@@ -2,14 +2,14 @@
 
 import pytest
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from sim import Crossing, CrossingConfig, Lighting
 
 
 @pytest.mark.parametrize("lighting", list(Lighting))
 def test_a_static_scene_without_noise_gives_no_events(lighting: Lighting) -> None:
     crossing = Crossing(CrossingConfig(lighting=lighting))
-    sensor = Davis346(SensorConfig.noise_free(), seed=0)
+    sensor = EventSensor(SensorConfig.noise_free(), seed=0)
     with crossing.full_frame_renderer() as render:
         middle_us = crossing.duration_us // 2
         outputs = [sensor.step(k * 5_000, render(middle_us)) for k in range(20)]

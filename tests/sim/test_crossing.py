@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.direction import CARDINAL, Direction
 from sim import (
     Crossing,
@@ -137,7 +137,7 @@ def test_by_day_the_last_frame_equals_the_first(lighting: str) -> None:
 
 def test_by_day_events_come_from_the_vehicle_and_its_shadow() -> None:
     crossing = make_crossing(step_px=4.0, supersample=2)
-    sensor = Davis346(SensorConfig.noise_free(), seed=0)
+    sensor = EventSensor(SensorConfig.noise_free(), seed=0)
     near, count, times_us = 0, 0, crossing.times_us()
     for sample in crossing.samples(times_us[: len(times_us) // 2]):
         events = sensor.step(sample.t_us, sample.luminance).events

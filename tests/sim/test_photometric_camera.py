@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from sim import PhotometricCamera, RendererError, SceneConfigError, open_model
 from sim.photometric_camera import EXAMPLE_LIGHT
 from sim.scene.assets import ASSETS
@@ -56,7 +56,7 @@ def test_the_example_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     model = open_model(ASSETS / "pendulum.xml")
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
-    sensor = Davis346(SensorConfig(), seed=1)
+    sensor = EventSensor(SensorConfig(), seed=1)
     with PhotometricCamera(model, "eye", width=346, height=260) as camera:
         for _ in range(10):
             mujoco.mj_step(model, data)
@@ -70,7 +70,7 @@ def test_the_example_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
 def test_events_of_a_physics_run_are_where_the_pendulum_swings(
     pendulum: mujoco.MjModel, eye: PhotometricCamera
 ) -> None:
-    sensor = Davis346(SensorConfig.noise_free(width=173, height=130), seed=0)
+    sensor = EventSensor(SensorConfig.noise_free(width=173, height=130), seed=0)
     data, counts = raised_pendulum(pendulum), np.zeros((130, 173), np.int64)
     for _ in range(12):
         mujoco.mj_step(pendulum, data, nstep=10)

@@ -88,8 +88,7 @@ def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load 
     unlimited = bench_sensor(config, width=WIDTH, height=HEIGHT)
     limited = replace(
         unlimited,
-        readout_limit_hz=config.readout_limit_hz,
-        readout_latency_us=config.readout_latency_us,
+        readout=config.readout,
     )
     samples = _flicker(unlimited, flicker_hz, seed)
     generated = record(unlimited, samples, seed=seed).events
@@ -98,7 +97,7 @@ def measure_load(config: SensorConfig, *, flicker_hz: float, seed: int) -> Load 
         generated,
         read_out,
         width=WIDTH,
-        reset_us=max(1, config.refractory_us) - config.readout_latency_us,
+        reset_us=max(1, config.refractory_us) - config.readout.latency_us,
     )
     rates = rates_hz(generated, read_out, from_us=round(_SETTLING * samples[-1][0]))
     if delays.size == 0 or rates is None:

@@ -70,8 +70,7 @@ def measure_latency(config: SensorConfig, *, chip_lux: float, seed: int) -> Late
     """
     sensor = replace(
         bench_sensor(config, width=SPOT_PX, height=SPOT_PX),
-        readout_limit_hz=config.readout_limit_hz,
-        readout_latency_us=config.readout_latency_us,
+        readout=config.readout,
     )
     hold_us = math.ceil(_HOLD * time_constant_us(config, chip_lux)) + 100
     base = uniform_frame(sensor, chip_luminance(sensor, chip_lux))

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emulator import Davis346, SensorConfig
+from emulator import SensorConfig
 from emulator.pixel.noise import (
     draw_gaussians,
     exponential,
@@ -14,24 +14,24 @@ from emulator.pixel.noise import (
     uniform,
 )
 from flybench.events import Cause
-from tests.emulator.scenes import flat, gaps_us, luminance_for, run
+from tests.emulator.stimuli import intervals_us, luminance_for_lux, run_sensor, uniform_frame
 
 SEED = np.uint64(12345)
 
 
-def bare(**changes: object) -> SensorConfig:
-    """A sensor of 3072 pixels with no noise but what is asked for."""
+def clean_config(**changes: object) -> SensorConfig:
+    """Return a sensor of 3072 pixels without noise, except for the given changes."""
     config = SensorConfig.noise_free(width=64, height=48)
     return replace(config, theta_mismatch=0.0, **changes)  # type: ignore[arg-type]
 
 
-def watch(config: SensorConfig, lux: float, *, seconds: float, step_us: int, seed: int = 3):  # type: ignore[no-untyped-def]
-    frame = flat(luminance_for(lux, config), config)
+def static_scene(config: SensorConfig, lux: float, *, seconds: float, step_us: int, seed: int = 3):  # type: ignore[no-untyped-def]
+    frame = uniform_frame(luminance_for_lux(lux, config), config)
     times = range(0, round(seconds * 1e6) + 1, step_us)
-    return run(Davis346(config, seed=seed), ((t, frame) for t in times))
+    return run_sensor(config, ((t, frame) for t in times), seed=seed)
 
 
-def test_random_numbers_are_uniform_and_independent_of_each_other() -> None:
+def test_random_numbers_are_uniform_and_independent() -> None:
     grid = np.array([[uniform(SEED, i, k) for k in range(60)] for i in range(200)])
     assert grid.min() > 0.0
     assert grid.max() < 1.0
@@ -47,7 +47,9 @@ def test_random_numbers_are_uniform_and_independent_of_each_other() -> None:
 @pytest.mark.parametrize(
     ("lux", "on_hz", "off_hz"), [(0.1, 5.6, 4.2), (161.0, 0.104, 0.0012), (3000.0, 0.172, 0.0)]
 )
-def test_background_activity_is_the_published_one(lux: float, on_hz: float, off_hz: float) -> None:
+def test_background_activity_matches_the_published_rates(
+    lux: float, on_hz: float, off_hz: float
+) -> None:
     config = SensorConfig()
     law = noise_law(config)
     on, off = shot_rates(law, math.log(lux + config.dark_lux))
@@ -61,8 +63,8 @@ def test_background_activity_is_the_published_one(lux: float, on_hz: float, off_
 def test_shot_noise_counts_do_not_depend_on_the_step(
     lux: float, seconds: float, step_us: int
 ) -> None:
-    config = bare(shot_noise_scale=1.0)
-    events, causes = watch(config, lux, seconds=seconds, step_us=step_us)
+    config = clean_config(shot_noise_scale=1.0)
+    events, causes = static_scene(config, lux, seconds=seconds, step_us=step_us)
     on, off = shot_rates(noise_law(config), math.log(lux + config.dark_lux))
     assert np.all(causes == Cause.SHOT)
     for rate, found in ((on, events["p"].sum()), (off, (~events["p"]).sum())):
@@ -70,48 +72,50 @@ def test_shot_noise_counts_do_not_depend_on_the_step(
         assert abs(found - expected) < 4.5 * math.sqrt(expected)
 
 
-def test_steps_of_constant_light_change_no_noise_event() -> None:
-    config = bare(shot_noise_scale=1.0, leak_hz=2.0)
-    fine, _ = watch(config, 0.3, seconds=0.4, step_us=1000)
-    coarse, _ = watch(config, 0.3, seconds=0.4, step_us=20_000)
+def test_the_step_changes_no_noise_event_under_constant_luminance() -> None:
+    config = clean_config(shot_noise_scale=1.0, leak_hz=2.0)
+    fine, _ = static_scene(config, 0.3, seconds=0.4, step_us=1000)
+    coarse, _ = static_scene(config, 0.3, seconds=0.4, step_us=20_000)
     assert fine.size == coarse.size > 500
     assert np.abs(fine["t"] - coarse["t"]).max() <= 1
 
 
 def test_shot_noise_is_a_poisson_process() -> None:
-    events, _ = watch(bare(shot_noise_scale=20.0), 0.1, seconds=0.4, step_us=1000)
-    gaps = gaps_us(events)
+    events, _ = static_scene(clean_config(shot_noise_scale=20.0), 0.1, seconds=0.4, step_us=1000)
+    gaps = intervals_us(events)
     mean_us = 1e6 / (20.0 * 9.7)
     kept = gaps[gaps < 4 * mean_us]
     observed = np.mean(kept < mean_us)
     assert observed == pytest.approx((1 - math.exp(-1)) / (1 - math.exp(-4)), abs=0.02)
 
 
-def test_noise_is_not_heaped_on_frame_times() -> None:
-    events, _ = watch(bare(shot_noise_scale=1.0, leak_hz=5.0), 0.1, seconds=0.5, step_us=1000)
+def test_noise_events_do_not_concentrate_at_sample_times() -> None:
+    events, _ = static_scene(
+        clean_config(shot_noise_scale=1.0, leak_hz=5.0), 0.1, seconds=0.5, step_us=1000
+    )
     counts = np.histogram(events["t"] % 1000, 10, (0, 1000))[0]
     assert np.all(np.abs(counts - counts.mean()) < 5 * math.sqrt(counts.mean()))
 
 
-def test_leak_fires_on_at_its_rate_with_spread_phases() -> None:
-    events, causes = watch(bare(leak_hz=1.0), 100.0, seconds=2.0, step_us=20_000)
+def test_leak_events_are_on_at_the_given_rate_with_uniform_phases() -> None:
+    events, causes = static_scene(clean_config(leak_hz=1.0), 100.0, seconds=2.0, step_us=20_000)
     assert np.all(causes == Cause.LEAK)
     assert events["p"].all()
     assert events.size == pytest.approx(2.0 * 3072, rel=0.01)
     phases = np.histogram(events["t"][events["t"] <= 1_000_000], 10, (0, 1_000_000))[0]
     assert phases.min() > 0.75 * 307
-    gaps = gaps_us(events)
+    gaps = intervals_us(events)
     assert np.all(np.abs(gaps - 1_000_000) <= 20)
 
 
-def test_leak_grows_with_light() -> None:
-    config = bare(leak_hz=0.1, leak_hz_per_lux=2.4e-5)
-    events, _ = watch(config, 100_000.0, seconds=1.0, step_us=20_000)
+def test_leak_grows_with_illuminance() -> None:
+    config = clean_config(leak_hz=0.1, leak_hz_per_lux=2.4e-5)
+    events, _ = static_scene(config, 100_000.0, seconds=1.0, step_us=20_000)
     assert events.size == pytest.approx(2.5 * 3072, rel=0.02)
 
 
-def test_hot_pixels_fire_at_their_rates_and_no_others() -> None:
-    events, causes = watch(bare(hot_fraction=0.01), 100.0, seconds=2.0, step_us=5000)
+def test_only_hot_pixels_fire_and_at_their_rates() -> None:
+    events, causes = static_scene(clean_config(hot_fraction=0.01), 100.0, seconds=2.0, step_us=5000)
     assert np.all(causes == Cause.HOT)
     pixels, counts = np.unique(events["y"].astype(int) * 64 + events["x"], return_counts=True)
     assert 10 <= pixels.size <= 60
@@ -119,17 +123,19 @@ def test_hot_pixels_fire_at_their_rates_and_no_others() -> None:
 
 
 def test_noise_resets_the_pixel() -> None:
-    """With events in between at random, a slow rise no longer adds up to its threshold."""
-    calm, storm = bare(), bare(shot_noise_scale=200.0)
+    """With random events in between, a slow rise no longer reaches the threshold."""
+    clean, noisy = clean_config(), clean_config(shot_noise_scale=200.0)
 
     def signals(config: SensorConfig) -> int:
-        level = luminance_for(0.1, config)
-        samples = [(t, flat(level * math.exp(t * 1e-6), config)) for t in range(0, 300_001, 5000)]
-        _, causes = run(Davis346(config, seed=1), samples)
+        level = luminance_for_lux(0.1, config)
+        samples = [
+            (t, uniform_frame(level * math.exp(t * 1e-6), config)) for t in range(0, 300_001, 5000)
+        ]
+        _, causes = run_sensor(config, samples)
         return int((causes == Cause.SIGNAL).sum())
 
-    assert signals(calm) >= 3072
-    assert signals(storm) < 100
+    assert signals(clean) >= 3072
+    assert signals(noisy) < 100
 
 
 def test_gaussians_are_gaussian_and_independent() -> None:

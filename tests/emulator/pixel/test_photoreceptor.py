@@ -13,7 +13,7 @@ from emulator.pixel.photoreceptor import corner_per_us, lag_after, ramp_pieces
     tau=st.floats(10, 1e5),
     cuts=st.lists(st.floats(1, 1e4), min_size=1, max_size=20),
 )
-def test_many_steps_give_what_one_gives(
+def test_many_steps_give_the_same_as_one(
     lag: float, slope: float, tau: float, cuts: list[float]
 ) -> None:
     stepped = lag

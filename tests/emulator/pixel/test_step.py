@@ -1,4 +1,4 @@
-"""The compiled kernel against the same mathematics in plain Python, one pixel, no short cuts."""
+"""The compiled kernel against a reference in plain Python, for one pixel and without shortcuts."""
 
 import math
 from collections.abc import Iterator
@@ -8,10 +8,10 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from emulator import Davis346, SensorConfig
-from tests.emulator.scenes import flat, luminance_for, quiet, run
+from emulator import SensorConfig
+from tests.emulator.stimuli import luminance_for_lux, noise_free_config, run_sensor, uniform_frame
 
-CONFIG = quiet(width=1, height=1, refractory_us=50)
+CONFIG = noise_free_config(width=1, height=1, refractory_us=50)
 
 Found = tuple[float, bool, float]
 
@@ -19,7 +19,7 @@ Found = tuple[float, bool, float]
 def pieces(
     samples: list[tuple[int, float]], config: SensorConfig
 ) -> Iterator[tuple[float, float, float, float]]:
-    """Start, span, slope and τ of each stretch on which u is straight and τ constant."""
+    """Yield start, span, slope and τ of each segment on which u is linear and τ constant."""
     per_us = 2e-6 * math.pi
     for (t0, e0), (t1, e1) in pairwise(samples):
         u0, u1 = math.log(e0 + config.dark_lux), math.log(e1 + config.dark_lux)
@@ -33,17 +33,17 @@ def pieces(
 
 
 def reference(samples: list[tuple[int, float]], config: SensorConfig) -> tuple[list[Found], float]:
-    """Events (time, polarity, slope of the difference there), and how near a miss came."""
-    lag = d = busy = 0.0
+    """Return events (time, polarity, slope of the difference there), and the narrowest miss."""
+    lag = d = reset = 0.0
     found: list[Found] = []
     nearest = 1.0
     for start, span, slope, tau in pieces(samples, config):
         at = 0.0
         while span - at > 1e-9:
-            if busy > 0.0:
-                wait = min(busy, span - at)
+            if reset > 0.0:
+                wait = min(reset, span - at)
                 lag = slope * tau + (lag - slope * tau) * math.exp(-wait / tau)
-                busy, at, d = busy - wait, at + wait, 0.0
+                reset, at, d = reset - wait, at + wait, 0.0
                 continue
             swing = lag - slope * tau
             s = np.linspace(0.0, span - at, 4001)
@@ -60,7 +60,7 @@ def reference(samples: list[tuple[int, float]], config: SensorConfig) -> tuple[l
                     low, high = (low, wait) if (value > level) == on else (wait, high)
                 rise = slope + swing / tau * math.exp(-wait / tau)
                 found.append((start + at + wait, on, rise))
-                busy = float(config.refractory_us)
+                reset = float(config.refractory_us)
             else:
                 nearest = min(
                     nearest, config.theta_on - course.max(), course.min() + config.theta_off
@@ -73,17 +73,17 @@ def reference(samples: list[tuple[int, float]], config: SensorConfig) -> tuple[l
 
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(st.integers(100, 20_000), st.floats(-3.0, 5.0)), min_size=2, max_size=6))
-def test_the_kernel_does_what_plain_python_does(walk: list[tuple[int, float]]) -> None:
+def test_the_kernel_matches_the_reference(walk: list[tuple[int, float]]) -> None:
     times = np.cumsum([0, *(step for step, _ in walk)])
     levels = [1.0, *(math.exp(log) for _, log in walk)]
-    frames = [flat(luminance_for(lux, CONFIG), CONFIG) for lux in levels]
-    scale = 1.0 / luminance_for(1.0, CONFIG)
+    frames = [uniform_frame(luminance_for_lux(lux, CONFIG), CONFIG) for lux in levels]
+    scale = 1.0 / luminance_for_lux(1.0, CONFIG)
     lux = [float(np.float64(frame[0, 0]) * scale) for frame in frames]
     expected, nearest = reference([(int(t), e) for t, e in zip(times, lux, strict=True)], CONFIG)
     assume(nearest > 1e-5)
     assume(all(abs(slope) > 1e-6 for _, _, slope in expected))
     samples = [(int(t), frame) for t, frame in zip(times, frames, strict=True)]
-    events, _ = run(Davis346(CONFIG, seed=1), samples)
+    events, _ = run_sensor(CONFIG, samples)
     edge = [int(times[-1]) - t < 30 for t, _, _ in expected]
     shared = len(expected) - sum(edge)
     assert shared <= events.size <= len(expected) + 1

@@ -7,12 +7,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulator import Davis346, SensorConfig
-from emulator.readout.arbiter import Arbiter, Readout
-from emulator.readout.arbiter_queue import PS_PER_US
+from emulator import EventSensor, SensorConfig
+from emulator.readout.arbiter import Arbiter
+from emulator.readout.arbitration import PS_PER_US
+from emulator.readout.config import UNLIMITED, ReadoutConfig
 from emulator.readout.event_keys import TIME_SHIFT
+from emulator.readout.stats import ReadoutStats
 from flybench.events import check_events
-from tests.emulator.scenes import HEIGHT, WIDTH, gaps_us, moving_texture, noisy, quiet, run
+from tests.emulator.stimuli import (
+    HEIGHT,
+    WIDTH,
+    intervals_us,
+    moving_texture,
+    noise_free_config,
+    noisy_config,
+    run_sensor,
+)
 
 Keys = np.ndarray[Any, np.dtype[np.int64]]
 Event = tuple[int, int]
@@ -31,7 +41,7 @@ def events_of(keys: Keys, from_us: int = 0) -> list[Event]:
 
 def run_arbiter(
     events: list[Event], bounds: list[int], **options: Any
-) -> tuple[list[Event], list[Readout]]:
+) -> tuple[list[Event], list[ReadoutStats]]:
     arbiter = Arbiter(width=WIDTH, height=HEIGHT, **options)
     out: list[Event] = []
     readouts = []
@@ -46,8 +56,8 @@ def run_arbiter(
     return out, readouts
 
 
-def plain(events: list[Event], *, word_ps: int, refractory_us: int) -> tuple[list[Event], int]:
-    """The same arbiter in plain Python, over the whole sequence at once."""
+def reference(events: list[Event], *, word_ps: int, refractory_us: int) -> tuple[list[Event], int]:
+    """Run the arbiter in plain Python over a whole sequence, without steps."""
     waiting: dict[int, dict[int, int]] = defaultdict(dict)
     busy_until: dict[int, int] = {}
     queue = sorted(events)
@@ -79,18 +89,18 @@ def plain(events: list[Event], *, word_ps: int, refractory_us: int) -> tuple[lis
     return sorted(out), dropped
 
 
-crowds = st.lists(
+event_lists = st.lists(
     st.tuples(st.integers(1, 60), st.integers(0, WIDTH * HEIGHT - 1)), max_size=120, unique=True
 )
 
 
 @settings(max_examples=150, deadline=None)
-@given(crowds, st.sampled_from([12e6, 2e6, 0.4e6]), st.sampled_from([0, 3, 20]))
-def test_the_kernel_does_what_plain_python_does(
+@given(event_lists, st.sampled_from([12e6, 2e6, 0.4e6]), st.sampled_from([0, 3, 20]))
+def test_the_kernel_matches_the_reference(
     events: list[Event], limit_hz: float, refractory_us: int
 ) -> None:
     word_ps = round(1e12 / limit_hz)
-    expected, dropped = plain(events, word_ps=word_ps, refractory_us=refractory_us)
+    expected, dropped = reference(events, word_ps=word_ps, refractory_us=refractory_us)
     options = {"limit_hz": limit_hz, "latency_us": 0, "refractory_us": refractory_us}
     found, readouts = run_arbiter(events, [0, 60, 10_000], **options)
     assert found == expected
@@ -101,15 +111,19 @@ def test_the_kernel_does_what_plain_python_does(
 
 
 @settings(max_examples=60, deadline=None)
-@given(crowds, st.lists(st.integers(1, 199), max_size=8, unique=True), st.sampled_from([0, 7, 90]))
-def test_however_the_stream_is_cut(events: list[Event], cuts: list[int], latency_us: int) -> None:
+@given(
+    event_lists, st.lists(st.integers(1, 199), max_size=8, unique=True), st.sampled_from([0, 7, 90])
+)
+def test_steps_do_not_change_the_output(
+    events: list[Event], cuts: list[int], latency_us: int
+) -> None:
     options = {"limit_hz": 1e6, "latency_us": latency_us, "refractory_us": 5}
     whole, _ = run_arbiter(events, [0, 1000], **options)
     parts, _ = run_arbiter(events, [0, *sorted(cuts), 200, 1000], **options)
     assert parts == whole
 
 
-def test_what_is_not_granted_in_its_step_leaves_in_a_later_one() -> None:
+def test_events_not_granted_in_their_step_are_read_in_a_later_one() -> None:
     burst = [(10, pixel) for pixel in range(100)]
     options = {"limit_hz": 1e6, "latency_us": 0, "refractory_us": 0}
     found, readouts = run_arbiter(burst, [0, 10, 60, 1000], **options)
@@ -120,8 +134,8 @@ def test_what_is_not_granted_in_its_step_leaves_in_a_later_one() -> None:
     assert all(len(of_stamp) == 1 for of_stamp in rows.values())
 
 
-def test_the_rate_out_is_that_of_the_bus() -> None:
-    """Requests in all rows at all times; each row's 16 events take 17 words."""
+def test_the_output_rate_is_limited_by_the_bus() -> None:
+    """All rows request at all times; the 16 events of a row take 17 words."""
     rng = np.random.default_rng(1)
     times, pixels = rng.integers(1, 2001, 40_000), rng.integers(0, WIDTH * HEIGHT, 40_000)
     events = sorted(set(zip(times.tolist(), pixels.tolist(), strict=True)))
@@ -139,22 +153,22 @@ def test_latency_moves_every_stamp() -> None:
     assert late == [(t + 33, p) for t, p in prompt]
 
 
-def test_a_calm_sensor_loses_and_delays_nothing() -> None:
-    free = run(Davis346(noisy(readout_limit_hz=1e12), seed=1), moving_texture(60))
-    real = run(Davis346(noisy(), seed=1), moving_texture(60))
+def test_at_low_rates_no_event_is_lost_or_delayed() -> None:
+    free = run_sensor(noisy_config(readout=UNLIMITED), moving_texture(60))
+    real = run_sensor(noisy_config(), moving_texture(60))
     assert free[0].size > 500
     assert real[0].tobytes() == free[0].tobytes()
     assert real[1].tobytes() == free[1].tobytes()
 
 
 @pytest.mark.parametrize("limit_hz", [3e4, 3e5])
-def test_a_crowded_sensor_still_keeps_its_promises(limit_hz: float) -> None:
-    config = noisy(readout_limit_hz=limit_hz, refractory_us=200)
-    sensor = Davis346(config, seed=1)
+def test_at_high_rates_no_event_is_unaccounted_for(limit_hz: float) -> None:
+    config = noisy_config(readout=ReadoutConfig(limit_hz=limit_hz), refractory_us=200)
+    sensor = EventSensor(config, seed=1)
     outputs = [sensor.step(t, frame) for t, frame in moving_texture(80)]
     events = np.concatenate([o.events for o in outputs])
     check_events(events, width=WIDTH, height=HEIGHT)
-    assert gaps_us(events).min() >= 200
+    assert intervals_us(events).min() >= 200
     offered = sum(o.readout.offered for o in outputs)
     dropped = sum(o.readout.dropped for o in outputs)
     assert events.size + dropped + outputs[-1].readout.waiting == offered
@@ -166,14 +180,14 @@ def test_a_crowded_sensor_still_keeps_its_promises(limit_hz: float) -> None:
 
 def test_an_ideal_sensor_has_no_arbiter() -> None:
     config = SensorConfig.ideal(width=WIDTH, height=HEIGHT)
-    sensor = Davis346(config, seed=1)
+    sensor = EventSensor(config, seed=1)
     outputs = [sensor.step(t, frame) for t, frame in moving_texture(40)]
     assert sum(o.readout.offered for o in outputs) == sum(o.events.size for o in outputs) > 100
     assert all(o.readout.delayed == o.readout.dropped == 0 for o in outputs)
 
 
-def test_quiet_sensors_report_nothing() -> None:
-    sensor = Davis346(quiet(), seed=1)
+def test_without_events_all_counts_are_zero() -> None:
+    sensor = EventSensor(noise_free_config(), seed=1)
     frame = next(moving_texture(1))[1]
     sensor.step(0, frame)
-    assert sensor.step(1000, frame).readout == Readout()
+    assert sensor.step(1000, frame).readout == ReadoutStats()

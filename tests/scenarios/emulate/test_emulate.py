@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from emulator import Davis346, preset
+from emulator import EventSensor, preset
 from flybench.events import Events
 from formats import open_events, read_events
 from scenarios.commands.emulate import Emulate
@@ -33,7 +33,7 @@ def emulate(source: Path, out: Path, **options: Any) -> Events:
 
 def test_events_are_those_of_the_sensor(array: Path, tmp_path: Path) -> None:
     found = emulate(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor="v2e_noisy", seed=3)
-    sensor = Davis346(preset("v2e_noisy"), seed=3)
+    sensor = EventSensor(preset("v2e_noisy"), seed=3)
     expected = []
     for k, image in enumerate(np.load(array)):
         luminance = cv2.resize(image.astype(np.float32) * (300 / 255), (346, 260))

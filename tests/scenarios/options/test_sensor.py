@@ -1,11 +1,21 @@
 """The sensor options: preset, file and single values, and their errors."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import tyro
 
-from emulator import ApsConfig, Bias, Biases, SensorConfig, SensorConfigError, preset, with_biases
+from emulator import (
+    ApsConfig,
+    Bias,
+    Biases,
+    ReadoutConfig,
+    SensorConfig,
+    SensorConfigError,
+    preset,
+    with_biases,
+)
 from scenarios.commands.characterise import Characterise
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions, sensor_of
@@ -43,6 +53,17 @@ def test_values_override_the_file_and_the_file_overrides_the_preset(file: Path) 
     assert found.refractory_us == expected.refractory_us == 8
     assert found.follower_hz == expected.follower_hz
     assert found.aps == ApsConfig(shutter="rolling", read_noise_e=20.0, noise=False)
+
+
+def test_the_readout_is_set_by_value_or_by_table(tmp_path: Path) -> None:
+    given = ("readout.limit_hz=2e6", "readout.kind=scan")
+    found = SensorOptions(preset="dvxplorer", set=given).sensor()
+    assert found.readout == replace(preset("dvxplorer").readout, limit_hz=2e6)
+    file = tmp_path / "bus.toml"
+    file.write_text("[readout]\nlatency_us = 7\n", encoding="utf-8")
+    assert SensorOptions(config=file).sensor().readout == ReadoutConfig(latency_us=7)
+    with pytest.raises(ScenarioError, match=r"readout\.limit"):
+        SensorOptions(set=("readout.limit=3",)).sensor()
 
 
 def test_the_preset_argument_overrides_the_file(file: Path) -> None:

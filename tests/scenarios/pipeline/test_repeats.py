@@ -1,6 +1,6 @@
 """One sequence shown to many sensors."""
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.repeats import run_repeats
 from scenarios.pipeline.run_config import RunConfig
@@ -14,7 +14,7 @@ def test_every_seed_gives_the_same_estimates_as_alone() -> None:
     assert track.in_view_us == (0, (SAMPLES - 1) * PERIOD_US)
     assert track.box_px(15_000) == (20, 100, 80, 160)
     for seed, estimates in zip((3, 8), together, strict=True):
-        sensor, detector, alone = Davis346(config.sensor, seed=seed), make_detector(config), []
+        sensor, detector, alone = EventSensor(config.sensor, seed=seed), make_detector(config), []
         for sample in bar_samples():
             events = sensor.step(sample.t_us, sample.luminance).events
             alone += feed(detector, events, until_us=sample.t_us + 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from detector.estimate import MotionEstimate
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
 from scenarios.study.evaluation import SequenceEvaluation, velocity_errors
@@ -45,7 +45,7 @@ def test_every_method_and_seed_has_a_run(result: SequenceResult) -> None:
 
 
 def test_estimates_do_not_depend_on_chunks(result: SequenceResult) -> None:
-    sensor, detector = Davis346(SENSOR, seed=8), make_timed_detector(FLY, 8, **SIZE)
+    sensor, detector = EventSensor(SENSOR, seed=8), make_timed_detector(FLY, 8, **SIZE)
     for sample in bar_samples():
         output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
         detector.process(output.events, output.aps_frames, until_us=sample.t_us + 1)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from detector.fly.config import FlyConfig
-from emulator import SensorConfig, preset
+from emulator import ReadoutKind, SensorConfig, preset
 from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.run_config import RunConfig
@@ -42,6 +42,8 @@ def test_the_defaults_have_their_types_and_make_the_default_run() -> None:
         ("crossing.omega_rad_s", 2, 2.0),
         ("sensor.aps.noise", False, False),
         ("sensor.aps.shutter", "rolling", "rolling"),
+        ("sensor.readout.kind", "scan", ReadoutKind.SCAN),
+        ("sensor.readout.limit_hz", 2_000_000, 2e6),
         ("fly.further_delays_us", [100_000], (100_000,)),
         ("crossing.distance_m", 7, 7.0),
     ],

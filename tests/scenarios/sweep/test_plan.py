@@ -154,7 +154,7 @@ def test_an_invalid_file_is_refused_with_the_reason(text: str, tmp_path: Path) -
 
 def test_too_many_points_are_refused_before_they_are_made(tmp_path: Path) -> None:
     numbers = list(range(1, 1001))
-    text = f"[grid]\nsensor.refractory_us = {numbers}\nsensor.readout_latency_us = {numbers}"
+    text = f"[grid]\nsensor.refractory_us = {numbers}\nsensor.readout.latency_us = {numbers}"
     with pytest.raises(SweepFileError, match=r"1,000,000 points\. Allowed are 100,000"):
         plan(tmp_path, text)
 

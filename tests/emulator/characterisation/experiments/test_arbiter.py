@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emulator import SensorConfig, preset
+from emulator import ReadoutConfig, SensorConfig, preset
 from emulator.characterisation.experiments.arbiter import (
     Load,
     delays_us,
@@ -54,7 +54,7 @@ def test_a_lightly_loaded_bus_reads_out_every_event_at_once() -> None:
 
 @pytest.mark.parametrize("limit_hz", [2e6, 12e6])
 def test_an_overloaded_bus_carries_its_limit(limit_hz: float) -> None:
-    config = replace(SensorConfig(), readout_limit_hz=limit_hz)
+    config = replace(SensorConfig(), readout=ReadoutConfig(limit_hz=limit_hz))
     load = measure_load(config, flicker_hz=limit_hz / 2e4, seed=1)
     assert load is not None
     assert load.in_hz > 2.0 * limit_hz
@@ -63,14 +63,15 @@ def test_an_overloaded_bus_carries_its_limit(limit_hz: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("config", "seed"), [(preset("dvs128"), 3), (SensorConfig(readout_limit_hz=2e6), 0)]
+    ("config", "seed"),
+    [(preset("dvs128"), 3), (SensorConfig(readout=ReadoutConfig(limit_hz=2e6)), 0)],
 )
 def test_the_highest_output_rate_is_below_the_limit_of_the_bus(
     config: SensorConfig, seed: int
 ) -> None:
     most = measure(config, seed=seed).figures["highest output rate"].measured
     assert most is not None
-    assert 0.97 * config.readout_limit_hz < 1e6 * most < config.readout_limit_hz
+    assert 0.97 * config.readout.limit_hz < 1e6 * most < config.readout.limit_hz
 
 
 def test_rates_do_not_count_the_last_row() -> None:
@@ -82,14 +83,14 @@ def test_rates_do_not_count_the_last_row() -> None:
 
 
 def test_a_bus_that_is_always_overloaded_has_a_highest_rate() -> None:
-    figures = measure(SensorConfig(readout_limit_hz=5e4), seed=1).figures
+    figures = measure(SensorConfig(readout=ReadoutConfig(limit_hz=5e4)), seed=1).figures
     assert figures["highest output rate"].measured == pytest.approx(0.05 * 128 / 129, rel=0.01)
     assert figures["input rate with a loss of 1 %"].note == "the slowest flicker loses more"
     assert figures["mean delay at half the highest rate"].measured is None
 
 
 def test_the_readout_latency_adds_to_every_delay() -> None:
-    config = replace(SensorConfig(), readout_latency_us=7)
+    config = replace(SensorConfig(), readout=ReadoutConfig(latency_us=7))
     load = measure_load(config, flicker_hz=2.0, seed=1)
     assert load is not None
     assert load.mean_us == pytest.approx(7.0, abs=0.05)

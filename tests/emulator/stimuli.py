@@ -1,4 +1,4 @@
-"""Small scenes and sensors for the emulator's tests."""
+"""Small sensors and stimuli for the tests of the emulator."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from emulator import Davis346, SensorConfig
+from emulator import EventSensor, SensorConfig
 from emulator.pixel.optics import lux_per_cd_m2
 from flybench.events import Events
 
@@ -19,30 +19,31 @@ Sample = tuple[int, Frame]
 WIDTH, HEIGHT = 16, 12
 
 
-def quiet(**changes: Any) -> SensorConfig:
-    """A small sensor without noise or mismatch."""
+def noise_free_config(**changes: Any) -> SensorConfig:
+    """Return a small sensor without noise or mismatch."""
     config = SensorConfig.noise_free(width=WIDTH, height=HEIGHT)
     return replace(config, **{"theta_mismatch": 0.0, **changes})
 
 
-def noisy(**changes: Any) -> SensorConfig:
-    """A small sensor with all its noise, and hot pixels among its few."""
+def noisy_config(**changes: Any) -> SensorConfig:
+    """Return a small sensor with all noise, and with enough hot pixels to have some."""
     config = SensorConfig(width=WIDTH, height=HEIGHT, hot_fraction=0.02)
     return replace(config, **changes)
 
 
-def flat(level: float, config: SensorConfig) -> Frame:
-    return np.full((config.height, config.width), level, np.float32)
+def uniform_frame(luminance_cd_m2: float, config: SensorConfig) -> Frame:
+    """Return a frame of one luminance."""
+    return np.full((config.height, config.width), luminance_cd_m2, np.float32)
 
 
-def luminance_for(lux: float, config: SensorConfig) -> float:
-    """Luminance that puts `lux` on the chip."""
+def luminance_for_lux(lux: float, config: SensorConfig) -> float:
+    """Return the luminance that gives `lux` on the chip [cd/m²]."""
     scale = lux_per_cd_m2(f_number=config.f_number, transmission=config.transmission)
     return lux / scale
 
 
 def moving_texture(n: int, *, step_us: int = 1000, level: float = 100.0) -> Iterator[Sample]:
-    """A grating with a random grain that slides over the small sensor."""
+    """Yield a grating with random grain that moves over the small sensor."""
     grain = np.random.default_rng(5).uniform(0.8, 1.2, (HEIGHT, WIDTH))
     x = np.arange(WIDTH)
     for k in range(n):
@@ -50,9 +51,11 @@ def moving_texture(n: int, *, step_us: int = 1000, level: float = 100.0) -> Iter
         yield k * step_us, (level * wave * grain).astype(np.float32)
 
 
-def run(sensor: Davis346, samples: Iterable[Sample]) -> tuple[Events, npt.NDArray[np.uint8]]:
-    """Events and causes of a whole sequence."""
-    outputs = list(sensor.stream(samples))
+def run_sensor(
+    config: SensorConfig, samples: Iterable[Sample], *, seed: int = 1, threads: int = 1
+) -> tuple[Events, npt.NDArray[np.uint8]]:
+    """Return all events of a new sensor over a sequence, and their causes."""
+    outputs = list(EventSensor(config, seed=seed, threads=threads).stream(samples))
     events = np.concatenate([output.events for output in outputs])
     return events, np.concatenate([output.causes for output in outputs])
 
@@ -60,15 +63,15 @@ def run(sensor: Davis346, samples: Iterable[Sample]) -> tuple[Events, npt.NDArra
 def log_ramp(
     config: SensorConfig, *, start: float, rate_per_s: float, times_us: Iterable[int]
 ) -> Iterator[Sample]:
-    """Light whose logarithm, dark current included, is a straight line in time."""
-    scale = luminance_for(1.0, config)
+    """Yield uniform frames whose log current, dark current included, is linear in time."""
+    scale = luminance_for_lux(1.0, config)
     for t_us in times_us:
         current_lux = start * np.exp(rate_per_s * t_us * 1e-6)
-        yield t_us, flat((current_lux - config.dark_lux) * scale, config)
+        yield t_us, uniform_frame((current_lux - config.dark_lux) * scale, config)
 
 
-def gaps_us(events: Events) -> npt.NDArray[np.int64]:
-    """Intervals between consecutive events of the same pixel."""
+def intervals_us(events: Events) -> npt.NDArray[np.int64]:
+    """Return the intervals between consecutive events of the same pixel."""
     order = np.lexsort((events["t"], events["x"], events["y"]))
     ordered = events[order]
     same = (np.diff(ordered["x"]) == 0) & (np.diff(ordered["y"]) == 0)

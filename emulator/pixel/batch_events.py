@@ -1,0 +1,251 @@
+"""The last pass over a batch: store the pixels that are finished, and step the others one by one.
+
+The step of a single pixel is cut into segments on which everything is known in closed form. On each
+segment, threshold crossings and noise compete; whichever comes first resets the pixel.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from emulator.pixel.batch import (
+    CHANGE,
+    CLOCK,
+    DRIFT,
+    EVENT_TIME,
+    HOT_RATE,
+    LAG,
+    LEAK,
+    LOG_FROM,
+    LOG_TO,
+    MARK,
+    NEW_CHANGE,
+    NEW_CLOCK,
+    NEW_LAG,
+    NEW_LEAK,
+    NOISE_RATE,
+    OUTCOME,
+    REST,
+    SILENT,
+    SINGLE,
+    THETA_OFF,
+    THETA_ON,
+    Batch,
+)
+from emulator.pixel.photoreceptor import ramp_pieces
+from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
+from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
+from emulator.pixel.state import PixelModel, PixelState, StepTimes
+from emulator.readout.event_keys import Keys, make_key
+from flybench.kernels import compiled, inlined
+
+
+class PixelStep(NamedTuple):
+    """The course of u of one pixel from the time of its state to the end of the step.
+
+    Attributes:
+        constant_us: duration of the segment of constant luminance before the ramp [µs]: the time
+            that the pixel has slept, and the step itself if its luminance does not change.
+        constant_from_us: start of that segment, from the start of the step; 0 or negative [µs].
+        log_from: u at the start [ln lux].
+        log_to: u at the end [ln lux].
+        piece_us: duration of each piece of the ramp [µs].
+        pieces: number of pieces, 0 if the luminance does not change.
+    """
+
+    constant_us: float
+    constant_from_us: float
+    log_from: float
+    log_to: float
+    piece_us: float
+    pieces: int
+
+
+@inlined
+def plan_step(
+    model: PixelModel,
+    log_from: float,
+    log_to: float,
+    changed: bool,
+    slept_us: float,
+    span_us: float,
+) -> PixelStep:
+    """Return the course of u in a step of `span_us` for a pixel that has slept for `slept_us`."""
+    if not changed:
+        return PixelStep(slept_us + span_us, -slept_us, log_from, log_from, span_us, 0)
+    pieces = ramp_pieces(log_from, log_to, model.log_limit)
+    return PixelStep(slept_us, -slept_us, log_from, log_to, span_us / pieces, pieces)
+
+
+@inlined
+def segment_of(
+    model: PixelModel, hot_rate: float, plan: PixelStep, number: int
+) -> tuple[Segment, float, float]:
+    """Return a segment, its start from the start of the step [µs], and its duration [µs].
+
+    Segment −1 has constant luminance; segments 0 to pieces − 1 are the pieces of the ramp.
+    """
+    if number < 0:
+        constant = make_segment(model, hot_rate, plan.log_from, plan.log_from, plan.constant_us)
+        return constant, plan.constant_from_us, plan.constant_us
+    rise = (plan.log_to - plan.log_from) / plan.pieces
+    low = plan.log_from + number * rise
+    ramp = make_segment(model, hot_rate, low, low + rise, plan.piece_us)
+    return ramp, number * plan.piece_us, plan.piece_us
+
+
+@inlined
+def wake_time_us(
+    pixel: Pixel,
+    mismatch: Mismatch,
+    noise_rate: float,
+    drift: float,
+    changed: bool,
+    to_us: int,
+) -> np.int32:
+    """Return the earliest time of the next event; the end of the step if the luminance changes.
+
+    The arguments are scalars and not the batch: an array would be reference counted for each pixel.
+    """
+    sleep_us = 0.0
+    if not changed:
+        sleep_us = silent_time_us(pixel, mismatch, noise_rate, drift)
+    return np.int32(to_us + np.int64(sleep_us))
+
+
+@compiled
+def store_finished(
+    state: PixelState,
+    luminance: npt.NDArray[np.float32],
+    times: StepTimes,
+    batch: Batch,
+    count: int,
+    keys: Keys,
+    used: int,
+) -> int:
+    """Store the pixels of a batch that are silent or have a single event.
+
+    Args:
+        state: state of all pixels; changed in place.
+        luminance: (pixels,) luminance at the end of the step [cd/m²].
+        times: start and end of the step.
+        batch: the pixels.
+        count: number of pixels.
+        keys: output array for the keys of the events, with room for `count` more.
+        used: number of entries of `keys` in use.
+
+    Returns:
+        Number of entries of `keys` then in use.
+    """
+    before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
+    indices, changes, fields = batch.indices, batch.changed, batch.fields
+    step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
+    for k in range(count):
+        outcome = fields[OUTCOME + k]
+        if outcome < SILENT:
+            continue
+        i = int(indices[k])
+        if outcome == SINGLE:
+            keys[used] = make_key(fields[EVENT_TIME + k], step_us, i, int(fields[MARK + k]))
+            used += 1
+        lag, change = fields[NEW_LAG + k], fields[NEW_CHANGE + k]
+        leak, clock = fields[NEW_LEAK + k], fields[NEW_CLOCK + k]
+        own = pixels[i]
+        own.lag = lag
+        own.change = change
+        own.leak = leak
+        own.clock = clock
+        own.updated_us = now_us
+        before[i] = luminance[i]
+        pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), 0.0)
+        mismatch = Mismatch(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
+        wake_us[i] = wake_time_us(
+            pixel, mismatch, fields[NOISE_RATE + k], fields[DRIFT + k], changes[k], times.to_us
+        )
+    return used
+
+
+@compiled
+def step_others(
+    state: PixelState,
+    model: PixelModel,
+    luminance: npt.NDArray[np.float32],
+    times: StepTimes,
+    batch: Batch,
+    first: int,
+    count: int,
+    keys: Keys,
+    used: int,
+) -> tuple[int, int]:
+    """Take the other pixels of a batch through the step, one by one, while `keys` has room.
+
+    Args:
+        state: state of all pixels; changed in place.
+        model: constants of the sensor.
+        luminance: (pixels,) luminance at the end of the step [cd/m²].
+        times: start and end of the step.
+        batch: the pixels.
+        first: position in the batch at which to begin.
+        count: number of pixels.
+        keys: output array for the keys of the events.
+        used: number of entries of `keys` in use.
+
+    Returns:
+        The position of the first pixel whose events found no room, or `count`; and the number of
+        entries of `keys` then in use. That pixel is unchanged.
+    """
+    step_us = times.to_us - times.from_us
+    span_us = np.float64(step_us)
+    before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
+    second_lags = state.second_lag
+    indices, changes, fields = batch.indices, batch.changed, batch.fields
+    for k in range(first, count):
+        if fields[OUTCOME + k] >= SILENT:
+            continue
+        i = int(indices[k])
+        own, changed = pixels[i], changes[k]
+        second_lag = second_lags[i] if second_lags.size > i else np.float32(0.0)
+        leak = fields[LEAK + k]
+        pixel = Pixel(
+            fields[LAG + k],
+            fields[CHANGE + k],
+            max(leak, 0.0),
+            fields[CLOCK + k],
+            max(-leak, 0.0),
+            np.int64(own.draws),
+            np.float64(second_lag),
+        )
+        mismatch = Mismatch(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
+        log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
+        plan = plan_step(model, log_from, log_to, changed, -fields[REST + k], span_us)
+        found = used
+        for number in range(-1 if plan.constant_us > 0.0 else 0, plan.pieces):
+            segment, start_us, segment_us = segment_of(model, mismatch.hot_rate, plan, number)
+            elapsed_us = 0.0
+            while elapsed_us < segment_us:
+                pixel, spent_us, event_us, mark = advance(
+                    pixel, segment, mismatch, model, i, segment_us - elapsed_us
+                )
+                if mark != NO_EVENT:
+                    if found == keys.size:
+                        return k, used
+                    keys[found] = make_key(start_us + elapsed_us + event_us, step_us, i, mark)
+                    found += 1
+                elapsed_us += spent_us
+        used = found
+        own.lag = pixel.lag
+        own.change = pixel.change
+        own.leak = -pixel.reset_us if pixel.reset_us > 0.0 else pixel.leak
+        own.clock = pixel.clock
+        own.draws = pixel.draws
+        own.updated_us = np.int32(times.to_us)
+        if second_lags.size > i:
+            second_lags[i] = pixel.second_lag
+        before[i] = luminance[i]
+        wake_us[i] = wake_time_us(
+            pixel, mismatch, fields[NOISE_RATE + k], fields[DRIFT + k], changed, times.to_us
+        )
+    return count, used

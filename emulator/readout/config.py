@@ -1,0 +1,65 @@
+"""The parameters of the readout, each with its source or the word assumed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from emulator.errors import SensorConfigError
+from flybench.checks import Range, check_ranges, member
+
+UNLIMITED_HZ = 1e12
+"""Words per second from which the bus counts as unlimited."""
+
+_RANGES = {
+    "limit_hz": Range(1.0, UNLIMITED_HZ, remedy="Use 1e12 for an unlimited bus."),
+    "latency_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 1."),
+    "scan_period_us": Range(1, 1_000_000, remedy="Give whole microseconds, such as 194."),
+}
+
+
+class ReadoutKind(StrEnum):
+    """How a chip reads its events out.
+
+    ROW_ARBITER: the pixels request, and an arbiter grants one row after another (DVS128, DAVIS,
+        Prophesee's chips).
+    SCAN: the chip reads the whole array at a fixed period (Samsung's chips, as in the DVXplorer).
+    """
+
+    ROW_ARBITER = "row_arbiter"
+    SCAN = "scan"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadoutConfig:
+    """The readout of a sensor; the defaults are those of the DAVIS346.
+
+    Attributes:
+        kind: how the events are read out.
+        limit_hz: words per second on the bus of the row arbiter [Hz]: one word for each event, and
+            one for each row that is read (the maker's documentation: about 12 million events per
+            second). A scan does not use it.
+        latency_us: time from the moment an event is read until its time stamp [µs] (assumed: less
+            than 1).
+        scan_period_us: period of the scan [µs]; the row arbiter does not use it. The default is
+            that of the DVXplorer without events: 640 columns of 15 cycles at 50 MHz, and 2 µs
+            between scans (libcaer's defaults). The scan of the real chip takes longer with more
+            events, up to 0.85 ms (dv-processing); here it is constant (assumed).
+
+    Raises:
+        SensorConfigError: a value is outside its range.
+    """
+
+    kind: ReadoutKind = ReadoutKind.ROW_ARBITER
+    limit_hz: float = 12e6
+    latency_us: int = 0
+    scan_period_us: int = 194
+
+    def __post_init__(self) -> None:
+        kind = member(ReadoutKind, "kind", self.kind, SensorConfigError)
+        object.__setattr__(self, "kind", kind)
+        check_ranges(self, _RANGES, SensorConfigError)
+
+
+UNLIMITED = ReadoutConfig(limit_hz=UNLIMITED_HZ)
+"""A readout that passes every event on at once."""
