@@ -15,153 +15,66 @@ from flybench.lazy import lazy_names
 
 if TYPE_CHECKING:
     from detector import (
-        ContrastConfig as ContrastConfig,
-    )
-    from detector import (
-        ContrastMaximisation as ContrastMaximisation,
-    )
-    from detector import (
-        Detector as Detector,
-    )
-    from detector import (
-        FlyConfig as FlyConfig,
-    )
-    from detector import (
-        FlyDetector as FlyDetector,
-    )
-    from detector import (
-        FrameDetector as FrameDetector,
-    )
-    from detector import (
-        FrameFly as FrameFly,
-    )
-    from detector import (
-        FrameFlyConfig as FrameFlyConfig,
-    )
-    from detector import (
-        MotionEstimate as MotionEstimate,
-    )
-    from detector import (
-        PlaneFit as PlaneFit,
-    )
-    from detector import (
-        PlaneFitConfig as PlaneFitConfig,
+        ContrastConfig,
+        ContrastMaximisation,
+        Detector,
+        FlyConfig,
+        FlyDetector,
+        FrameDetector,
+        FrameFly,
+        FrameFlyConfig,
+        MotionEstimate,
+        PlaneFit,
+        PlaneFitConfig,
     )
     from emulator import (
-        ApsConfig as ApsConfig,
+        ApsConfig,
+        ApsFrame,
+        Biases,
+        Davis346,
+        EventSensor,
+        ReadoutConfig,
+        ReadoutKind,
+        SensorConfig,
+        SensorOutput,
+        luminance_of,
+        preset,
+        with_biases,
     )
-    from emulator import (
-        ApsFrame as ApsFrame,
-    )
-    from emulator import (
-        Biases as Biases,
-    )
-    from emulator import (
-        Davis346 as Davis346,
-    )
-    from emulator import (
-        EventSensor as EventSensor,
-    )
-    from emulator import (
-        ReadoutConfig as ReadoutConfig,
-    )
-    from emulator import (
-        ReadoutKind as ReadoutKind,
-    )
-    from emulator import (
-        SensorConfig as SensorConfig,
-    )
-    from emulator import (
-        SensorOutput as SensorOutput,
-    )
-    from emulator import (
-        luminance_of as luminance_of,
-    )
-    from emulator import (
-        preset as preset,
-    )
-    from emulator import (
-        with_biases as with_biases,
-    )
-    from flybench.direction import Direction as Direction
-    from flybench.errors import EventError as EventError
-    from flybench.errors import FlybenchError as FlybenchError
+    from flybench.direction import Direction
+    from flybench.errors import EventError, FlybenchError
     from flybench.events import (
-        EVENT_DTYPE as EVENT_DTYPE,
+        EVENT_DTYPE,
+        Cause,
+        Events,
+        check_events,
+        empty_events,
     )
-    from flybench.events import (
-        Cause as Cause,
-    )
-    from flybench.events import (
-        Events as Events,
-    )
-    from flybench.events import (
-        check_events as check_events,
-    )
-    from flybench.events import (
-        empty_events as empty_events,
-    )
-    from flybench.version import __version__ as __version__
+    from flybench.version import __version__
     from formats import (
-        EventFile as EventFile,
+        EventFile,
+        open_events,
+        open_writer,
+        read_events,
+        write_events,
     )
-    from formats import (
-        open_events as open_events,
-    )
-    from formats import (
-        open_writer as open_writer,
-    )
-    from formats import (
-        read_events as read_events,
-    )
-    from formats import (
-        write_events as write_events,
-    )
-    from scenarios import EventCamera as EventCamera
+    from scenarios import EventCamera
     from sim import (
-        Crossing as Crossing,
-    )
-    from sim import (
-        CrossingConfig as CrossingConfig,
-    )
-    from sim import (
-        Distractors as Distractors,
-    )
-    from sim import (
-        GroundTruth as GroundTruth,
-    )
-    from sim import (
-        Intrinsics as Intrinsics,
-    )
-    from sim import (
-        Lighting as Lighting,
-    )
-    from sim import (
-        LuminanceCache as LuminanceCache,
-    )
-    from sim import (
-        PhotometricCamera as PhotometricCamera,
-    )
-    from sim import (
-        Profile as Profile,
-    )
-    from sim import (
-        RelativeDirection as RelativeDirection,
-    )
-    from sim import (
-        Sample as Sample,
-    )
-    from sim import (
-        VehicleKind as VehicleKind,
-    )
-    from sim import (
-        event_truth as event_truth,
-    )
-    from sim import (
-        omega_from_speed as omega_from_speed,
-    )
-    from sim import (
-        open_model as open_model,
+        Crossing,
+        CrossingConfig,
+        Distractors,
+        GroundTruth,
+        Intrinsics,
+        Lighting,
+        LuminanceCache,
+        PhotometricCamera,
+        Profile,
+        RelativeDirection,
+        Sample,
+        VehicleKind,
+        event_truth,
+        omega_from_speed,
+        open_model,
     )
 
 _MODULES = {

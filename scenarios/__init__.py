@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 from flybench.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from scenarios.errors import OutputError as OutputError
-    from scenarios.errors import ScenarioError as ScenarioError
+    from scenarios.errors import OutputError, ScenarioError
     from scenarios.pipeline.event_camera import (
-        EventCamera as EventCamera,
-    )
-    from scenarios.pipeline.event_camera import (
-        MotionWarning as MotionWarning,
+        EventCamera,
+        MotionWarning,
     )
 
 _MODULES = {

@@ -56,14 +56,10 @@ def _rows(summary: dict[str, Any]) -> dict[str, str]:
         _events(summary),
         _detector(main),
         _other_detectors(others),
-        {"luminance": _LUMINANCE_SOURCES[summary.get("light", "rendered")]},
+        {"luminance": summary.get("luminance", "rendered")},
         _wall_times(summary["wall_s"]),
     )
     return {name: value for part in parts for name, value in part.items()}
-
-
-_LUMINANCE_SOURCES = {"rendered": "rendered", "kept": "from the cache"}
-"""Values of "light" in `summary.json`, in words."""
 
 
 def _truth(truth: dict[str, Any]) -> dict[str, str]:

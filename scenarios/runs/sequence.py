@@ -84,7 +84,7 @@ def run_sequence(
             extra = make_extra_detectors(config, also)
             summary = _run_into(work, config, watch, progress, cache, extra, events_formats)
         is_rendered = cache is None or cache.rendered > rendered_before
-        summary["light"] = "rendered" if is_rendered else "kept"
+        summary["luminance"] = "rendered" if is_rendered else "from the cache"
         summary["wall_s"] = {name: round(seconds, 3) for name, seconds in watch.wall_s.items()}
         write_summary(work, summary)
     return summary

@@ -81,7 +81,7 @@ def test_the_printed_table_shows_the_result_and_the_view_command(
     finished_run: tuple[Path, str],
 ) -> None:
     folder, printed = finished_run
-    for words in ("true direction", "shot noise", "its verdict", "flybench view"):
+    for words in ("true direction", "shot noise", "verdict", "flybench view"):
         assert words in printed
     assert folder.name in printed
 
@@ -108,7 +108,7 @@ def test_another_process_other_chunks_and_a_second_method_give_equal_results(
         assert table.splitlines()[1:] == rows
     assert [one["method"] for one in summary["detectors"]] == ["fly", "plane-fit"]
     assert summary["detectors"][0] == summary["detector"]
-    assert "beside it: plane-fit" in table_of(summary, capsys)
+    assert "also: plane-fit" in table_of(summary, capsys)
 
 
 def test_a_run_replaces_an_earlier_run_in_the_same_folder(finished_run: tuple[Path, str]) -> None:

@@ -94,7 +94,7 @@ def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
 
 @pytest.mark.parametrize("seeds", [0, 101])
 def test_a_velocity_sweep_with_too_few_or_too_many_seeds_is_refused(seeds: int) -> None:
-    with pytest.raises(ScenarioError, match=f"--seeds is {seeds}; allowed is 1 to 100"):
+    with pytest.raises(ScenarioError, match=rf"--seeds is {seeds}\. Allowed is .* from 1 to 100"):
         VelocitySweep(seeds=seeds).execute()
 
 
@@ -143,7 +143,7 @@ def test_the_table_has_one_column_for_each_run(capsys: pytest.CaptureFixture[str
         "1,234,567",
         "mine:Own",
         "42 %",
-        "50 ms after entering",
+        "50 ms after entry",
         "never",
         "no step",
         "logs/b/recording.rrd",

@@ -117,16 +117,16 @@ def test_a_run_from_the_cache_has_the_same_events_and_reports_it(
     def run(name: str) -> tuple[Any, str]:
         out = tmp_path / name
         assert Run(omega=2.42, cache=cache, out=out, **COARSE).execute() == 0
-        source = json.loads((out / "summary.json").read_text())["light"]
+        source = json.loads((out / "summary.json").read_text())["luminance"]
         return read_events(out / "events.h5"), source
 
     first, source = run("first")
     assert source == "rendered"
     monkeypatch.setattr(crossing_module, "FilamentRenderer", NoRenderer)
     second, source = run("second")
-    assert source == "kept"
+    assert source == "from the cache"
     assert np.array_equal(first, second)
-    assert "kept" in capsys.readouterr().out
+    assert "from the cache" in capsys.readouterr().out
 
 
 def test_a_cache_folder_that_cannot_be_created_is_a_warning(

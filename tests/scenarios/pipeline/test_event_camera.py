@@ -118,7 +118,7 @@ def test_a_shape_whose_motion_is_unknown_needs_a_period() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"camera": "ear"}, SceneConfigError, "no camera 'ear'; allowed is one of 'eye'"),
+        ({"camera": "ear"}, SceneConfigError, "no camera 'ear'. Allowed is one of 'eye'"),
         ({"period_us": 0}, ScenarioError, "period_us is 0. Allowed are numbers above 0"),
         ({"step_px": float("nan")}, ScenarioError, "step_px is nan"),
     ],

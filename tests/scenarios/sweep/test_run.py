@@ -180,6 +180,6 @@ def test_a_folder_of_something_else_is_refused_and_left_unchanged(
     name: str, finished: tuple[Path, Path], tmp_path: Path
 ) -> None:
     (tmp_path / name).write_text("mine")
-    with pytest.raises(OutputError, match="was not written by flybench"):
+    with pytest.raises(OutputError, match="were not written by flybench"):
         sweep_in_process(finished[0], tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [name]

@@ -37,7 +37,7 @@ def test_equal_sequences_have_equal_bits() -> None:
 
 @pytest.mark.parametrize("times_us", [[], [5, 5], [7, 3], [-1, 4]])
 def test_times_that_do_not_increase_are_refused(times_us: list[int]) -> None:
-    with pytest.raises(SceneConfigError, match="do not rise"):
+    with pytest.raises(SceneConfigError, match="not strictly increasing"):
         next(coarse_crossing({}).samples(times_us))
 
 
