@@ -46,7 +46,7 @@ BUSY = Distractors(
     flicker_hz=100,
 )
 CROSSINGS = {
-    "day_busy": CrossingConfig(omega_rad_s=1.9, supersample=2, distractors=BUSY),
+    "day_busy": CrossingConfig(omega_rad_s=1.9, supersample=2, street_seed=1, distractors=BUSY),
     "night_shake": CrossingConfig(
         lighting=Lighting.NIGHT,
         omega_rad_s=1.7,
