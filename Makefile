@@ -1,4 +1,4 @@
-# Two commands: `make study` runs the main job, `make test` runs all the tests. Both set up first.
+# `make study` runs the study, `make test` runs all tests. Both install flybench first if needed.
 VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
@@ -13,7 +13,7 @@ study: setup
 demo: setup
 	$(BIN)/flybench demo
 
-# A process a core, as many as four: each may hold a renderer and a gigabyte.
+# One process per core, at most four: each may need a renderer and 1 GB of memory.
 test: setup
 	$(BIN)/python -m pytest --numprocesses logical --maxprocesses 4 --dist loadfile
 
@@ -22,7 +22,7 @@ lint: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# One core and fixed threads, so that runs compare; the figures are CPU time where it says so.
+# One core and a fixed number of threads, so that runs are comparable. Values are CPU times where stated.
 bench: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,peers]'
 	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks \

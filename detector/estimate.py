@@ -1,4 +1,4 @@
-"""The interface of every detector: events go in, motion estimates come out."""
+"""The interface of every detector: it takes events and returns motion estimates."""
 
 from __future__ import annotations
 
@@ -75,10 +75,11 @@ class Detector(Protocol):
 class FrameDetector(Detector, Protocol):
     """A detector that reads intensity frames, with or without events.
 
-    Callers pass frames to `push_frame` if the detector has it (`isinstance` tells), and still call
-    `push` and `advance`. A detector that needs no events returns `[]` from these, or the estimates
-    that are due by then. Calls come in order of time: events before a frame's `t_us` are passed
-    before the frame, later events after it.
+    Callers pass frames to `push_frame` if the detector has this method (they test
+    `isinstance(detector, FrameDetector)`), and also call `push` and `advance`. A detector that
+    needs no events returns `[]` from these, or the estimates that are due by then. Calls come in
+    order of time: events before a frame's `t_us` are passed before the frame, later events after
+    it.
     """
 
     def push_frame(self, t_us: int, frame: npt.NDArray[np.uint16]) -> list[MotionEstimate]:

@@ -22,8 +22,8 @@ _LATEST_US = 2**62
 def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None:
     """Refuse a chunk of events that does not continue the stream.
 
-    One compiled pass tells whether anything is wrong. Only then do slower checks find what it is,
-    so that chunks of a hundred events stay cheap.
+    One compiled pass detects whether anything is wrong. Slower checks find the cause only in that
+    case, so that chunks of a hundred events remain cheap.
 
     Args:
         events: candidate chunk.

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 from detector.errors import DetectorError
 from detector.estimate import MotionEstimate
-from detector.fly.model_variants import GrmsOf
+from detector.fly.model_variants import GrmsResponse
 from flybench.direction import Direction
 
 Estimates = Sequence[MotionEstimate]
@@ -69,10 +69,10 @@ def grms(
     estimates: Estimates,
     *,
     crossing_us: tuple[int, int],
-    of: GrmsOf = GrmsOf.WINNER,
+    of: GrmsResponse = GrmsResponse.WINNER,
     step_us: int = GRMS_STEP_US,
 ) -> float | None:
-    """Return the gradient root mean square of the response before normalisation (figure 5 B).
+    """Return the gradient root mean square of the raw response (paper, Fig. EX3 B).
 
     A gradient is the difference between the response at a step and at the first step that comes at
     least `step_us` later, divided by the time between them. It is taken as a vector, so that it
@@ -112,10 +112,10 @@ def _check_rising(times_us: list[int]) -> None:
             )
 
 
-def _model_output(response: tuple[float, float], of: GrmsOf) -> tuple[float, float]:
+def _model_output(response: tuple[float, float], of: GrmsResponse) -> tuple[float, float]:
     """Return the response, with the weaker system set to 0 if only the winner counts."""
     horizontal, vertical = response
-    if of is GrmsOf.BOTH:
+    if of is GrmsResponse.BOTH:
         return response
     return (horizontal, 0.0) if abs(horizontal) >= abs(vertical) else (0.0, vertical)
 

@@ -12,7 +12,7 @@ import numpy as np
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.event_checks import check_chunk, check_order, checked_time
-from flybench.events import Events, empty_events, joined
+from flybench.events import Events, concatenate_events, empty_events
 
 QUIET_LIMIT_US = 60_000_000
 """Time after the last event at which hops stop [µs]; the default of `FlyConfig.quiet_limit_us`."""
@@ -61,7 +61,7 @@ class HopBuffer:
             self._has_events = True
             self._skip_to(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
-            self._pending.append(joined([events[taken:cut]]))
+            self._pending.append(concatenate_events([events[taken:cut]]))
             self._last_event_us = self._now_us = int(events["t"][cut - 1])
             taken = cut
         return complete
@@ -93,7 +93,7 @@ class HopBuffer:
         last_us = min(t_us, self._last_event_us + QUIET_LIMIT_US)
         while (end_us := (self._hop + 1) * self._hop_us) <= last_us:
             parts = self._pending or [empty_events()]
-            complete.append((end_us, parts[0] if len(parts) == 1 else joined(parts)))
+            complete.append((end_us, parts[0] if len(parts) == 1 else concatenate_events(parts)))
             self._pending = []
             self._hop += 1
         return complete

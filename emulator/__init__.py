@@ -1,4 +1,4 @@
-"""An event sensor in software: luminance of a scene in; events, their causes and frames out.
+"""An event sensor in software, from the luminance of a scene to events and frames.
 
 `EventSensor` is the whole sensor, `SensorConfig` its parameters, and `preset` returns those of
 known sensors. Light passes through the folders in this order: `pixel` (optics, photoreceptor,

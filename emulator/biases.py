@@ -67,8 +67,8 @@ class Bias:
         check_ranges(
             self,
             {
-                "coarse": Range(0, 7, remedy="Each step is a factor of 8."),
-                "fine": Range(0, _FINE_STEPS, remedy="It divides the coarse current."),
+                "coarse": Range(0, 7, remedy="Choose a code; a step is a factor of 8."),
+                "fine": Range(0, _FINE_STEPS, remedy="Choose a divisor of the coarse current."),
             },
             SensorConfigError,
         )
@@ -96,8 +96,9 @@ class Biases:
         refractory: bias of the reset (RefrBp).
 
     Raises:
-        SensorConfigError: a value is no `Bias`; or ON is not above the differencing amplifier, or
-            OFF not below it, in which case the pixel would fire without end.
+        SensorConfigError: a value is not a `Bias`; or the ON bias is not above that of the
+            differencing amplifier, or the OFF bias not below it, because the pixel would then fire
+            without end.
     """
 
     diff: Bias = Bias(4, 39)

@@ -1,4 +1,4 @@
-"""The parameters of an event sensor, each with its source or the word assumed.
+"""The parameters of an event sensor, each with its source, or marked as assumed.
 
 Sources: Lichtsteiner 2008 = Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008 (DVS128);
 Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240); Nozaki 2017 = Nozaki, Delbruck,
@@ -32,7 +32,7 @@ _RANGES = {
     "f_number": Range(0.5, 64.0, remedy="Give the lens aperture as focal length over diameter."),
     "transmission": Range(0.01, 1.0, remedy="Give the fraction of the light that the lens passes."),
     "dark_lux": Range(
-        1e-6, 10.0, remedy="It must be positive: it keeps the logarithm finite in the dark."
+        1e-6, 10.0, remedy="Give a positive value: it keeps the logarithm finite in the dark."
     ),
     "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(illuminance), such as 0.18."),
     "theta_off": Range(
@@ -82,7 +82,7 @@ class SensorConfig:
         focal_length_mm: focal length of the lens [mm] (assumed: the lens of this bench). With the
             pixel pitch it sets the field of view.
         f_number: lens aperture, focal length over diameter (assumed: a fast lens, for the night).
-        transmission: fraction of the light that passes the lens (assumed: coated glass).
+        transmission: fraction of the incident light that passes the lens (assumed: coated glass).
         dark_lux: dark current of the photodiode, as the illuminance on the chip that gives the
             same current [lux]. Its order follows from Lichtsteiner 2008: usable down to 0.1 lux on
             the scene through f/1.2, which is 0.1/(4·1.2²) = 0.017 lux on the chip for a white
@@ -115,8 +115,8 @@ class SensorConfig:
             (assumed) and grow with it (Nozaki 2017: both follow an Arrhenius law).
         dark_doubling_k: rise that doubles the dark current [K] (assumed: 6 to 8 K in silicon).
         leak_doubling_k: rise that doubles the junction leak [K] (assumed: as the dark current).
-        dead_fraction: fraction of pixels that never fire (assumed: none, the maker tests for
-            them).
+        dead_fraction: fraction of pixels that never fire (assumed: none, because the maker rejects
+            chips with dead pixels).
         crazy_fraction: fraction of pixels that fire ON and OFF at random, whatever the light
             (assumed: none). Their events count as events of hot pixels.
         crazy_hz_min: rate of the slowest crazy pixel [Hz] (assumed).
@@ -177,7 +177,7 @@ class SensorConfig:
             remedy="Lower leak_hz or temperature_c, or raise leak_doubling_k.",
         )
         warm_leak_hz.check("warm_leak_hz", self.warm_leak_hz, SensorConfigError)
-        hot_hz_max = Range(self.hot_hz_min, 10_000.0, remedy="It may not be below hot_hz_min.")
+        hot_hz_max = Range(self.hot_hz_min, 10_000.0, remedy="Raise it to hot_hz_min or more.")
         crazy_hz_max = Range(
             self.crazy_hz_min, 100_000.0, remedy="It may not be below crazy_hz_min."
         )

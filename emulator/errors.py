@@ -18,4 +18,4 @@ class FrameError(EmulatorError):
 
 
 class FitError(EmulatorError):
-    """The size, duration or drift stated for a recording is impossible."""
+    """The size, duration or drift that is given for a recording is impossible."""

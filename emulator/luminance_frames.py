@@ -19,7 +19,7 @@ MAX_TIME_US = 2**62
 """Largest time, positive or negative: events carry 64-bit times, and later steps must fit too."""
 
 MAX_LUMINANCE_CD_M2 = 1e10
-"""Highest luminance that the sensor takes: six times that of the disc of the sun."""
+"""Highest luminance that the sensor accepts: six times that of the sun's disc."""
 
 _FLOAT32_BYTES = 4
 
@@ -44,7 +44,7 @@ def time_luminance_pairs(
             t_us, luminance_cd_m2 = item
         except (TypeError, ValueError):
             raise FrameError(
-                f"an item of the frames is a {type(item).__name__} and no pair. Allowed are pairs "
+                f"an item of the frames is a {type(item).__name__}. Allowed are pairs "
                 "of time [µs] and luminance [cd/m²]. Yield them as t_us, luminance."
             ) from None
         yield t_us, luminance_cd_m2

@@ -42,7 +42,7 @@ PresetName = Literal[
 WITHOUT_FRAMES: frozenset[PresetName] = frozenset(
     {"dvs128", "atis", "dvxplorer", "gen31", "imx636"}
 )
-"""Presets of chips without APS frames; ignore the frames that the emulator gives for them."""
+"""Presets of chips without an APS. The emulator also returns frames for them; ignore those."""
 
 _UNLIMITED_HZ_PER_LUX = 1e15
 _V2E_SHOT_HZ = 5.0

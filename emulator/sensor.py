@@ -1,4 +1,4 @@
-"""The whole sensor: luminance in; events, their causes and frames out."""
+"""The whole sensor, from luminance to events with their causes, and to frames."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from emulator.luminance_frames import (
     time_luminance_pairs,
 )
 from emulator.pixel.active_pixels import (
-    Share,
+    ThreadShare,
     empty_masks,
     find_active,
     mark_all_blocks,
@@ -39,7 +39,7 @@ from emulator.pixel.step import step_pixels
 from emulator.readout.arbiter import Arbiter
 from emulator.readout.config import UNLIMITED_HZ, ReadoutKind
 from emulator.readout.event_keys import Keys, unpack_keys
-from emulator.readout.latency import Latency
+from emulator.readout.latency import FixedLatency
 from emulator.readout.scan import Scan
 from emulator.readout.stats import ReadoutStats
 from emulator.thread_pool import ThreadPool
@@ -71,7 +71,7 @@ class SensorOutput:
 
 
 class EventSensor:
-    """An event sensor that watches a scene sample by sample; it keeps one frame, never a clip.
+    """An event sensor that observes a scene sample by sample; it stores only the last frame.
 
     Args:
         config: the sensor and its lens; a DAVIS346 by default.
@@ -81,8 +81,8 @@ class EventSensor:
             takes. At 346×260, two threads are slower than one.
 
     Raises:
-        SensorConfigError: `config` is no `SensorConfig`, the seed is negative or no integer, or
-            the number of threads is out of range.
+        SensorConfigError: `config` is not a `SensorConfig`, the seed is negative or not an integer,
+            or the number of threads is out of range.
     """
 
     def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
@@ -103,7 +103,7 @@ class EventSensor:
         self._first_us = 0
         self._last_us: int | None = None
         self._active = empty_masks(config.width * config.height)
-        self._shares = [Share(part, threads) for part in range(threads)]
+        self._shares = [ThreadShare(part, threads) for part in range(threads)]
         self._keys = [np.empty(_INITIAL_KEYS, np.int64) for _ in range(threads)]
         self._batches = [empty_batch() for _ in range(threads)]
         self._pool = ThreadPool(threads)
@@ -159,11 +159,10 @@ class EventSensor:
     def stream(self, frames: Iterable[tuple[int, npt.ArrayLike]]) -> Iterator[SensorOutput]:
         """Step through pairs of (time [µs], luminance [cd/m²]) and yield one output for each.
 
-        A second call continues with the frames that follow; where a sequence is cut changes
-        nothing.
+        A second call continues the sequence. Where a sequence is cut does not change the output.
 
         Raises:
-            FrameError: as `step` does, at the frame concerned; or an item is no pair.
+            FrameError: a frame is invalid, as in `step`; or an item is not a pair.
         """
         for t_us, luminance_cd_m2 in time_luminance_pairs(frames):
             yield self.step(t_us, luminance_cd_m2)
@@ -220,7 +219,7 @@ class EventSensor:
 
 
 class Davis346(EventSensor):
-    """An `EventSensor` under the name of its default configuration, the DAVIS346."""
+    """An `EventSensor` under the name of its default configuration."""
 
 
 def _draw_leak_phases(pixels: Pixels, config: SensorConfig, rng: np.random.Generator) -> None:
@@ -234,13 +233,13 @@ def _draw_leak_phases(pixels: Pixels, config: SensorConfig, rng: np.random.Gener
         pixels["leak"] = np.where(np.isfinite(theta_on), theta_on * phase, 0.0)
 
 
-def _make_readout(config: SensorConfig) -> Arbiter | Latency | Scan:
+def _make_readout(config: SensorConfig) -> Arbiter | FixedLatency | Scan:
     """Return the readout of a sensor."""
     readout = config.readout
     if readout.kind is ReadoutKind.SCAN:
         return Scan(period_us=readout.scan_period_us, latency_us=readout.latency_us)
     if readout.limit_hz >= UNLIMITED_HZ:
-        return Latency(readout.latency_us)
+        return FixedLatency(readout.latency_us)
     return Arbiter(
         width=config.width,
         height=config.height,

@@ -1,4 +1,4 @@
-"""A pool of threads that share the work of a step, and use no CPU time between steps."""
+"""A pool of threads that share the work of a step and wait between steps without using CPU time."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """flybench: a test bench for event-camera motion detectors.
 
 This package holds what all others share: the event array, directions, checks of values, compiled
-kernels and the base of all errors. It is also the front door: `flybench.Crossing`,
+kernels and the base of all errors. It is also the public interface: `flybench.Crossing`,
 `flybench.Davis346`, `flybench.FlyDetector` and every other public name of `sim`, `emulator`,
 `detector`, `formats` and `scenarios` is imported when it is first used, so that `import flybench`
 loads nothing heavy.

@@ -4,7 +4,7 @@ import sys
 
 
 def main() -> None:
-    """Run the command, or say which library it needs."""
+    """Run the command, or print the name of the library that is missing."""
     try:
         from scenarios.cli import main as run
     except ModuleNotFoundError as error:

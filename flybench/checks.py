@@ -21,7 +21,7 @@ class Range:
         low: lowest allowed value.
         high: highest allowed value.
         unit: unit of the value, for the message; empty for a pure number.
-        remedy: sentence that tells the user what to do; None: the message names the default.
+        remedy: sentence with an instruction for the user; None: the message gives the default.
         optional: True if None is allowed too.
     """
 

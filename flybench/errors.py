@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class FlybenchError(ValueError):
-    """Base of all errors that flybench raises on bad input; its message says what to do."""
+    """Base of all errors that flybench raises on bad input; its message states what to do."""
 
 
 class EventError(FlybenchError):

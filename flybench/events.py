@@ -19,7 +19,7 @@ Events: TypeAlias = npt.NDArray[Any]
 
 
 class Cause(IntEnum):
-    """Why a pixel fired; kept beside the events as a parallel `u1` array."""
+    """Cause of an event; stored in an array of uint8 parallel to the events."""
 
     SIGNAL = 0
     LEAK = 1
@@ -28,12 +28,12 @@ class Cause(IntEnum):
 
 
 def empty_events() -> Events:
-    """No events: an array of length 0."""
+    """Return an event array of length 0."""
     return np.empty(0, EVENT_DTYPE)
 
 
-def joined(parts: Sequence[Events]) -> Events:
-    """Parts of a stream in one new array, in their order.
+def concatenate_events(parts: Sequence[Events]) -> Events:
+    """Concatenate parts of a stream into one new array.
 
     They are copied as bytes: NumPy copies packed records field by field, 30 times as slowly.
 
@@ -51,7 +51,7 @@ def joined(parts: Sequence[Events]) -> Events:
 
 
 def check_events(events: Events, *, width: int, height: int) -> None:
-    """Refuse what is not a sorted stream from a sensor of this size.
+    """Check that events are a sorted stream from a sensor of this size.
 
     Args:
         events: candidate event array.
@@ -64,8 +64,8 @@ def check_events(events: Events, *, width: int, height: int) -> None:
     if not isinstance(events, np.ndarray) or events.dtype != EVENT_DTYPE or events.ndim != 1:
         found = f"{getattr(events, 'dtype', type(events).__name__)}"
         raise EventError(
-            f"events have dtype {found} and {getattr(events, 'ndim', 0)} dimensions; allowed is "
-            f"one dimension of {EVENT_DTYPE}; convert them with np.array(..., dtype=EVENT_DTYPE)"
+            f"The events have dtype {found} and {getattr(events, 'ndim', 0)} dimensions. "
+            f"Allowed is one dimension of {EVENT_DTYPE}. Use np.array(..., dtype=EVENT_DTYPE)."
         )
     if events.size == 0:
         return
@@ -73,14 +73,14 @@ def check_events(events: Events, *, width: int, height: int) -> None:
     if backwards.size:
         i = int(backwards[0])
         raise EventError(
-            f"event {i + 1} has t = {events['t'][i + 1]} µs after t = {events['t'][i]} µs; "
-            "time must not go back; sort the events by 't' first"
+            f"Event {i + 1} has t = {events['t'][i + 1]} µs after t = {events['t'][i]} µs. "
+            "Allowed are times that never decrease. Sort the events by 't' first."
         )
     for axis, size in (("x", width), ("y", height)):
         low, high = int(events[axis].min()), int(events[axis].max())
         if low < 0 or high >= size:
             bad = low if low < 0 else high
             raise EventError(
-                f"an event has {axis} = {bad}; allowed is 0 to {size - 1} on a {width}×{height} "
-                "sensor; drop the event or give the sensor's true size"
+                f"An event has {axis} = {bad}. Allowed is 0 to {size - 1} on a {width}×{height} "
+                "sensor. Remove the event, or give the true size of the sensor."
             )

@@ -26,9 +26,10 @@ USER_CACHE = Path("~/.cache/flybench/kernels")
 def compiled(function: Kernel) -> Kernel:
     """Compile a kernel once and cache it on disk.
 
-    Kernels do without `fastmath`: two machines could round differently, which would break "same
-    seed, same events" and "same scene, same luminance". NumPy's error model makes x/0 an infinity,
-    which kernels use for "never". Kernels release Python's lock, so that threads can share a step.
+    Kernels are compiled without `fastmath`, because two machines could then round differently: the
+    same seed would no longer give the same events, and the same scene not the same luminance.
+    NumPy's error model makes x/0 an infinity, which kernels use for "never". Kernels release
+    Python's lock, so that threads can share a step.
     """
     return _compiled(function)
 
@@ -56,10 +57,10 @@ def _compiled(function: Kernel, **options: bool) -> Kernel:
 
 
 class _Locator:
-    """Tells numba where a kernel is cached and which sources the cached code is of.
+    """Gives Numba the cache folder of a kernel and the digest of the sources of the cached code.
 
-    Numba's own locators look at the file of the kernel that Python calls, but not at the files of
-    the kernels compiled into it. They would go on running old code after an edit there.
+    The locators of Numba check only the file of the kernel that Python calls, not those of the
+    kernels that are compiled into it. After an edit of the latter, old code would be run.
     """
 
     def __init__(self, function: Callable[..., object], file: str) -> None:
@@ -82,7 +83,7 @@ class _Locator:
         return _stamp(self._file)
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of one name apart in one folder."""
+        """Return a string that distinguishes functions with the same name in one folder."""
         return f"{self._function.__module__}-{self._function.__code__.co_firstlineno}"
 
 
@@ -94,17 +95,17 @@ class _KernelCache(FunctionCache):
     _impl_class = _KernelCacheImpl
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load a compiled kernel, or return None if there is none from today's sources."""
+        """Load a compiled kernel, or return None if none is up to date."""
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except (AttributeError, ImportError):  # it holds values of a class that is gone
+        except (AttributeError, ImportError):  # it refers to a class that is gone
             self.flush()  # type: ignore[no-untyped-call]
             return None
 
 
 @cache
 def _stamp(file: Path) -> str:
-    """Digest of a kernel's package and of flybench, or of its folder where it is in none."""
+    """Return the digest of the kernel's package (or folder, outside flybench) and of `flybench`."""
     if file.is_relative_to(ROOT):
         return sources_digest("flybench", file.relative_to(ROOT).parts[0])
     return sources_digest("flybench", str(file.parent))
@@ -137,6 +138,6 @@ def _writable(folder: Path) -> Path | None:
 @cache
 def _warn_once() -> None:
     logging.getLogger("flybench").warning(
-        "flybench: no folder for compiled kernels can be written to, so this process compiles them "
+        "flybench: no folder for compiled kernels is writable, so this process compiles them "
         "again. Set NUMBA_CACHE_DIR to a folder that can."
     )

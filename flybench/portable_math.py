@@ -1,7 +1,8 @@
-"""Exponential and logarithm of kernels: as exact as they need be, and the same on every machine.
+"""Exponential, logarithm, sine and cosine for kernels, with the same bits on every machine.
 
-Sums and products only, so that a compiler may work on many pixels at a time, and none that it may
-reorder or fuse as it likes: a mathematical library would give the last bits of one machine.
+They use only sums and products, so that the compiler can process many pixels at a time, and the
+compiler may not reorder or fuse them. The last bits of a mathematical library would depend on the
+machine.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from numba.extending import intrinsic
 from flybench.kernels import inlined
 
 EXP_RANGE = 700.0
-"""Arguments of `exp` are held within ±700, where its result is 1e±304."""
+"""Arguments of `exp` are clipped to ±700, where its result is 1e±304."""
 
 _LOG2_E = 1.4426950408889634
 _LN2_HIGH = 0.6931471803691238
 _LN2_LOW = 1.9082149292705877e-10
 _INTEGER = 6755399441055744.0
-"""1.5·2^52: a double so large that its last bit counts ones; adding it rounds to a whole number."""
+"""1.5·2^52: a double whose last bit has the value 1, so that adding it rounds to a whole number."""
 _INTEGER_BITS = np.int64(0x4338000000000000)
 _TWO_52 = 4503599627370496.0
 _TWO_52_BITS = np.uint64(0x4330000000000000)
@@ -57,22 +58,22 @@ def _fused(_context: Any, _x: Any, _y: Any, _z: Any) -> Any:
 
 
 fma: Any = intrinsic(_fused)
-"""x·y + z, rounded once: by definition the same on every machine."""
+"""x·y + z with a single rounding, which is the same on every machine by definition."""
 
 lowest_bit = _conversion(types.uint64, types.uint64, "cttz")
-"""Place of the lowest bit that is set in a uint64, 64 where none is."""
+"""Index of the lowest set bit of a uint64; 64 if no bit is set."""
 
 
 @inlined
-def real_of(whole: np.uint64) -> float:
-    """A whole number below 2^52 as a double, by its bits."""
+def to_double(whole: np.uint64) -> float:
+    """Return a whole number below 2^52 as a double, computed from its bits."""
     result: float = _float_of(np.int64(whole | _TWO_52_BITS)) - _TWO_52
     return result
 
 
 @inlined
-def half_turn(x: float) -> tuple[float, float]:
-    """Sine and cosine of x within ±π/2, to 6e-8, by their series."""
+def sine_and_cosine(x: float) -> tuple[float, float]:
+    """Return sine and cosine of x in ±π/2, from their series, with an error of at most 6e-8."""
     y = x * x
     sine = fma(
         fma(
@@ -105,7 +106,10 @@ def half_turn(x: float) -> tuple[float, float]:
 
 @inlined
 def exp(x: float) -> float:
-    """e^x to 3e-13 of itself, by its series around the nearest multiple of ln 2."""
+    """Return e^x with a relative error of at most 3e-13.
+
+    It uses the series around the nearest multiple of ln 2.
+    """
     x = max(min(x, EXP_RANGE), -EXP_RANGE)
     shifted = fma(x, _LOG2_E, _INTEGER)
     power = shifted - _INTEGER
@@ -122,7 +126,10 @@ def exp(x: float) -> float:
 
 @inlined
 def log(x: float) -> float:
-    """Natural logarithm to 2e-14, for x positive and normal, by the series of artanh around 1."""
+    """Return the logarithm of a positive normal number with an error of at most 2e-14.
+
+    It uses the series of artanh around 1.
+    """
     bits = _bits_of(x)
     exponent = (bits - _ROOT_HALF_BITS) >> _MANTISSA_BITS
     fraction = _float_of(bits - (exponent << _MANTISSA_BITS)) - 1.0

@@ -10,9 +10,9 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 """The folder that holds all packages of flybench."""
 
-LUMINANCE = ("flybench", "sim")
+LUMINANCE_SOURCES = ("flybench", "sim")
 """Sources that determine rendered luminance."""
-SWEEP_POINT = (
+SWEEP_POINT_SOURCES = (
     "flybench",
     "sim",
     "emulator",
@@ -28,7 +28,8 @@ SWEEP_POINT = (
 def sources_digest(*parts: str) -> str:
     """Return the SHA-256 digest of the names and contents of source files.
 
-    The digest is computed once per process. A file that is edited later is not the code that runs.
+    The digest is computed once per process, because a file that is edited later no longer matches
+    the running code.
 
     Args:
         parts: packages, folders or files, as paths relative to `ROOT`. A folder stands for its
@@ -40,11 +41,11 @@ def sources_digest(*parts: str) -> str:
     digest = hashlib.sha256()
     for path in sorted({path for part in parts for path in _files(ROOT / part)}):
         name = path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
-        feed(digest, name.as_posix(), path.read_bytes())
+        add_file(digest, name.as_posix(), path.read_bytes())
     return digest.hexdigest()
 
 
-def feed(digest: hashlib._Hash, name: str, content: bytes) -> None:
+def add_file(digest: hashlib._Hash, name: str, content: bytes) -> None:
     """Add a named file to a digest, so that no two lists of files give the same bytes."""
     digest.update(f"{name} {len(content)} ".encode() + content)
 

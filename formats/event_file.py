@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from emulator import ApsFrame
-from flybench.events import EVENT_DTYPE, Events, empty_events, joined
+from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
 from formats.columns import MAX_SIDE_PX, UNITS_US, ReadOptions
 from formats.errors import FormatError
 from formats.identify import FORMATS, check_readable, identify_format
@@ -109,9 +109,9 @@ class EventFile:
         format: name of its format, one of `FORMATS`.
         width: sensor columns [px].
         height: sensor rows [px].
-        size_from: source of the sensor's size: "the file", "the option" or "the events".
+        size_source: source of the sensor's size: "the file", "the option" or "the events".
         has_frames: True if the file states that it contains frames.
-        header_facts: other facts in the header, by name.
+        header_fields: other facts in the header, by name.
         origin_us: time that was subtracted from all timestamps [µs]: the first timestamp if it is
             negative or a wall-clock time (10¹⁴ µs and more), else 0.
     """
@@ -140,9 +140,9 @@ class EventFile:
             self._reader.close()
             raise
         self.width, self.height = header["size"]
-        self.size_from: str = header["size_from"]
+        self.size_source: str = header["size_source"]
         self.has_frames: bool = header["has_frames"]
-        self.header_facts: dict[str, str] = header["facts"]
+        self.header_fields: dict[str, str] = header["facts"]
         self.origin_us: int = header["origin_us"]
 
     def __enter__(self) -> EventFile:
@@ -223,8 +223,8 @@ def open_events(
         )
     if size is not None and not all(0 < side <= MAX_SIDE_PX for side in size):
         raise FormatError(
-            f"The sensor's size is {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px each "
-            "way."
+            f"The sensor's size is {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px in "
+            "width and height. Correct the size."
         )
     check_readable(path)
     return EventFile(path, format or identify_format(path), ReadOptions(size, time_unit))
@@ -245,7 +245,7 @@ def read_events(
     """
     with open_events(path, format=format, size=size, time_unit=time_unit) as file:
         chunks = [chunk.events for chunk in file]
-    return joined(chunks)
+    return concatenate_events(chunks)
 
 
 def _frame(content: bytearray) -> ApsFrame:

@@ -2,7 +2,8 @@
 
 The decoding libraries are written in C, C++ and Rust. A damaged file can make them run out of
 memory, abort the process or hang. The separate process has limited memory, and this module turns
-whatever happens to it into an error message. On a second core, parsing takes no extra time.
+whatever happens to it into an error message. If a second core is free, the separate process costs
+no additional time.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ class IsolatedReader:
         view: Any = memoryview(content)
         while view:
             if not select.select([self._pipe], [], [], TIMEOUT_S)[0]:
-                raise FormatError(f"{self._path} gave no data for {TIMEOUT_S:.0f} s. {DAMAGED}")
+                raise FormatError(f"{self._path} sent no data for {TIMEOUT_S:.0f} s. {DAMAGED}")
             got = os.readv(self._pipe.fileno(), [view])
             if not got:
                 raise self._exit_error()

@@ -4,7 +4,7 @@ A message is a kind (1 byte), a length (8 bytes, little-endian) and that many by
 
 - `H`: header of the file, as a JSON object.
 - `E`: events of `PARSED_DTYPE`.
-- `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes a pixel.
+- `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes per pixel.
 - `W`: still working; no content.
 - `X`: an error message; no further messages follow.
 - `Z`: end of the file.
@@ -55,7 +55,7 @@ _SENSOR_SIZES: tuple[Size, ...] = (
     (640, 480),
     (1280, 720),
 )
-"""Width and height of sensors that are sold [px]."""
+"""Width and height of common sensors [px]."""
 
 _TOO_LARGE = f"needs more than {MEMORY_LIMIT_BYTES >> 30} GB of memory to be read"
 _REPAIR = "It is damaged, or compressed in blocks that are too large. Copy it again or convert it."
@@ -130,7 +130,7 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
     shifted, origin_us = _with_origin(path, items, size)
     facts = {
         "size": size,
-        "size_from": source,
+        "size_source": source,
         "facts": header.facts,
         "has_frames": header.has_frames,
         "origin_us": origin_us,
@@ -167,7 +167,8 @@ def infer_size(path: Path, items: Iterator[ParsedItem], out: BinaryIO) -> Size:
             raise
     if not done:
         raise FormatError(
-            f"{path} contains no events. Give a recording with events, or its size with --size."
+            f"{path} contains no events, so the size of its sensor is unknown. Allowed is a "
+            "recording with events, or a stated size. Give the size with --size."
         )
     for columns, rows in _SENSOR_SIZES:
         if 0.9 * columns <= width <= columns and 0.9 * rows <= height <= rows:

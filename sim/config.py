@@ -21,9 +21,9 @@ class Lighting(StrEnum):
     NIGHT = "night"
 
 
-DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
+DEFAULT_DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
 """Default distances [m]. At these, 30, 40, 50 and 60 km/h give the paper's angular velocities by
-day and by night. Dusk, which is not in the paper, has the distance of the day."""
+day and by night. Dusk, which is not in the paper, has the same distance as day."""
 
 PAPER_OMEGA_RAD_S = {
     Lighting.DAY: (1.21, 1.61, 2.01, 2.42),
@@ -31,7 +31,7 @@ PAPER_OMEGA_RAD_S = {
 }
 """The paper's angular velocities, Section III: 30, 40, 50 and 60 km/h."""
 
-ILLUMINANCE_LUX = {Lighting.DAY: 30_000.0, Lighting.DUSK: 50.0, Lighting.NIGHT: 10.0}
+DEFAULT_ILLUMINANCE_LUX = {Lighting.DAY: 30_000.0, Lighting.DUSK: 50.0, Lighting.NIGHT: 10.0}
 """Default illuminance on the road [lux]: a clear day, about twenty minutes after sunset under a
 clear sky, and a street lit to about class M4 (all assumed)."""
 
@@ -44,17 +44,17 @@ class CrossingConfig:
         lighting: time of day: day, dusk or night.
         omega_rad_s: angular velocity at closest approach [rad/s]; 1.61 is the paper's 40 km/h by
             day.
-        direction: direction of motion in the image. Left is a vehicle that drives the other way; up
-            and down are the crossing seen by a camera that is rolled by a quarter turn.
+        direction: direction of motion in the image. For left, the vehicle drives the other way; for
+            up and down, the camera is rolled by 90°.
         profile: constant speed, or constant angular velocity.
         vehicle: kind of vehicle.
         paint_reflectance: luminance reflectance of the paint, 0.04 (black) to 0.8 (white). 0.53 is
             silver (assumed). At 0.13 the vehicle has nearly no contrast to the road by day
             (measured).
         distance_m: distance from the camera to the near flank of the vehicle [m]; None:
-            `DISTANCE_M`.
+            `DEFAULT_DISTANCE_M`.
         illuminance_lux: illuminance on the road in front of the camera [lux]; None:
-            `ILLUMINANCE_LUX`.
+            `DEFAULT_ILLUMINANCE_LUX`.
         sun_azimuth_deg: azimuth of the sun by day: 0 is straight ahead of the camera, positive to
             its right [deg]; −150 is behind its left shoulder (assumed).
         sun_elevation_deg: elevation of the sun by day, above the horizon [deg] (assumed).
@@ -96,28 +96,29 @@ class CrossingConfig:
             )
             object.__setattr__(self, name, value)
         check_ranges(self, RANGES, SceneConfigError)
-        self._check_the_walker()
+        self._check_pedestrian()
 
-    def _check_the_walker(self) -> None:
+    def _check_pedestrian(self) -> None:
         near = self.distractors.pedestrian_pavement is Pavement.NEAR
         walks = self.distractors.pedestrian is not RelativeDirection.NONE
-        if walks and near and self.distance < WALKER_DISTANCE_M:
+        if walks and near and self.distance < MIN_DISTANCE_WITH_PEDESTRIAN_M:
             raise SceneConfigError(
                 f"distance_m is {self.distance!r} and a pedestrian on the near pavement would walk "
-                f"into the camera. Allowed is {WALKER_DISTANCE_M:g} to 12 m with this pedestrian. "
+                f"into the camera. Allowed is {MIN_DISTANCE_WITH_PEDESTRIAN_M:g} to 12 m with this "
+                "pedestrian. "
                 "Choose a greater distance, or the far pavement."
             )
 
     @property
     def distance(self) -> float:
         """`distance_m`, or the default of the time of day [m]."""
-        return DISTANCE_M[self.lighting] if self.distance_m is None else self.distance_m
+        return DEFAULT_DISTANCE_M[self.lighting] if self.distance_m is None else self.distance_m
 
     @property
     def illuminance(self) -> float:
         """`illuminance_lux`, or the default of the time of day [lux]."""
         given = self.illuminance_lux
-        return ILLUMINANCE_LUX[self.lighting] if given is None else given
+        return DEFAULT_ILLUMINANCE_LUX[self.lighting] if given is None else given
 
     def resolved(self) -> dict[str, Any]:
         """Return every field by name, with defaults in place of None."""
@@ -125,7 +126,7 @@ class CrossingConfig:
         return asdict(self) | stand_in
 
 
-WALKER_DISTANCE_M = 4.0
+MIN_DISTANCE_WITH_PEDESTRIAN_M = 4.0
 """Smallest distance to the target with a pedestrian on the near pavement [m]: it leaves more than a
 metre between the pedestrian and the camera (assumed: a metre is enough)."""
 
@@ -140,13 +141,13 @@ RANGES: dict[str, Range] = {
     "omega_rad_s": Range(
         0.05, 10.0, "rad/s", remedy="Choose another direction for motion the other way."
     ),
-    "paint_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 is white."),
+    "paint_reflectance": Range(0.04, 0.8, remedy="Choose 0.04 (black) to 0.8 (white)."),
     "distance_m": Range(
         3.0,
         12.0,
         "m",
         optional=True,
-        remedy="A nearer vehicle would drive over the pavement of the camera.",
+        remedy="Keep that distance: nearer, the vehicle would drive over the pavement.",
     ),
     "illuminance_lux": Range(0.1, 100_000.0, "lux", optional=True),
     "sun_azimuth_deg": Range(-180.0, 180.0, "deg", remedy="Add or subtract 360."),

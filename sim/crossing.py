@@ -19,7 +19,12 @@ from sim.cache.luminance_file import LuminanceSample
 from sim.config import CrossingConfig
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics
-from sim.geometry.rectangles import Rectangle, hull, points_rectangle, whole
+from sim.geometry.rectangles import (
+    Rectangle,
+    enclosing_rectangle,
+    image_rectangle,
+    rectangle_of_points,
+)
 from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
@@ -87,7 +92,7 @@ class Crossing:
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())
         self._start_s = self.trajectory.time_at_s(-reach_m) - config.lead_s
         self._end_s = self.trajectory.time_at_s(reach_m) + config.lead_s
-        # Sampling and ground truth look at times slightly beyond both ends: fail here, not there.
+        # Sampling and ground truth use times slightly beyond both ends: find invalid times here.
         margin_s = config.max_step_ms * 1e-3 + RATE_STEP_S
         for t_s in (self._start_s - margin_s, self._end_s + margin_s):
             self.trajectory.position_m(t_s)
@@ -184,10 +189,10 @@ class Crossing:
 
     def _rendered_luminance(self, times_us: Sequence[int]) -> LuminanceStream:
         with self.keyframe_renderer(times_us) as render:
-            previous = [whole(self.intrinsics)]
+            previous = [image_rectangle(self.intrinsics)]
             for t_us in times_us:
                 rendered = render(t_us)
-                changed = hull(previous + rendered.rectangles)
+                changed = enclosing_rectangle(previous + rendered.rectangles)
                 yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)
                 previous = rendered.rectangles
 
@@ -229,9 +234,9 @@ class Crossing:
     ) -> Iterator[Callable[[int], Luminance]]:
         """Open a renderer that renders every frame completely, without keyframes.
 
-        This is the reference that `samples` is compared with. It also renders the background anew
-        for every frame. The renderer then moves the edges of the background's shadows by a
-        fraction of a pixel as the vehicle moves, which does not happen in `samples`.
+        This is the reference that `samples` is compared with. It also renders the background again
+        for every frame. The renderer then moves the edges of the background's shadows by a fraction
+        of a pixel as the vehicle moves, which does not happen in `samples`.
 
         Args:
             supersample: rendered pixels per sensor pixel and axis; None: as configured.
@@ -245,7 +250,7 @@ class Crossing:
         """
         scene, model = self.scene, luminance_model(self.scene.model)
         lamps = FlickeringLamps(scene.flickering_lights, scene.flickering_materials)
-        pixels = rectangle or whole(self.intrinsics)
+        pixels = rectangle or image_rectangle(self.intrinsics)
         size = supersample or self.config.supersample
         with FilamentRenderer(model, self.intrinsics) as renderer:
             data = mujoco.MjData(model)
@@ -279,7 +284,7 @@ class Crossing:
         return max(edges_px_s, beams_px_s / BEAM_STEP_FACTOR)
 
     def _in_view(self, corners_m: npt.NDArray[np.float64]) -> bool:
-        return points_rectangle(corners_m, self.scene.pose, self.intrinsics) is not None
+        return rectangle_of_points(corners_m, self.scene.pose, self.intrinsics) is not None
 
     def _half_view_rad(self) -> float:
         horizontal = self.config.direction in (Direction.RIGHT, Direction.LEFT)

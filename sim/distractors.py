@@ -11,7 +11,7 @@ from sim.errors import SceneConfigError
 
 
 class RelativeDirection(StrEnum):
-    """Direction of a distractor compared with that of the target, or none."""
+    """Direction of a distractor relative to the target; NONE: there is no such distractor."""
 
     NONE = "none"
     SAME = "same"
@@ -33,7 +33,7 @@ class VehicleKind(StrEnum):
     MOTORCYCLE = "motorcycle"
 
 
-MAINS_HZ = (0, 100, 120)
+FLICKER_RATES_HZ = (0, 100, 120)
 """Flicker rates: twice the frequency of the mains (50 or 60 Hz); 0: lamps on direct current."""
 
 
@@ -58,14 +58,14 @@ class Distractors:
         pedestrian_lag_s: Time after the target at which the pedestrian passes the camera, −60 to 60
             [s].
         shake_rms_deg: Root mean square rotation of the camera about each of its axes, 0 to 3 [deg];
-            0.1 shifts the image of a DAVIS346 behind 6 mm by 0.57 px.
-        shake_corner_hz: Corner frequency above which the shake falls off [Hz]; 4 is a tripod in
-            gusts or a hand-held camera (assumed).
+            0.1 deg shifts the image of a DAVIS346 with a 6 mm lens by 0.57 px.
+        shake_corner_hz: Corner frequency above which the shake falls off, 0.5 to 50 [Hz]; 4 Hz is
+            typical of a tripod in gusts or of a hand-held camera (assumed).
         flicker_hz: Flicker rate of lamps on the mains: 100 or 120 [Hz]; 0 for no flicker.
         flicker_depth: Depth of the flicker, 0 to 1: (max − min) / (max + min) of the output, as
-            IEEE 1789-2015 defines it. An incandescent lamp has about 0.1, a lamp that follows the
-            current up to 1 (0.2 is assumed).
-        seed: Seed of the wind and the shake.
+            IEEE 1789-2015 defines it. An incandescent lamp has about 0.1; a lamp whose output
+            follows the current has up to 1. The default of 0.2 is assumed.
+        seed: Seed of the wind and the shake, 0 to 2^32 - 1.
     """
 
     wind_grade: int = 0
@@ -90,7 +90,7 @@ class Distractors:
                 self, name, member(kind, name, getattr(self, name), SceneConfigError)
             )
         check_ranges(self, RANGES, SceneConfigError)
-        if self.flicker_hz not in MAINS_HZ:
+        if self.flicker_hz not in FLICKER_RATES_HZ:
             raise SceneConfigError(
                 f"flicker_hz is {self.flicker_hz!r}. Allowed is 0, 100 or 120 Hz, twice the "
                 "frequency of the mains. Choose one of them."
@@ -115,13 +115,13 @@ _MEMBERS: dict[str, Any] = {
 }
 
 RANGES: dict[str, Range] = {
-    "wind_grade": Range(0, 8, remedy="Branches break above 8."),
+    "wind_grade": Range(0, 8, remedy="Choose a lower grade: above 8, branches break."),
     "far_vehicle_speed_m_s": Range(
         0.5, 40.0, "m/s", remedy="Set far_vehicle for the other direction."
     ),
     "far_vehicle_lag_s": Range(-60.0, 60.0, "s"),
     "far_vehicle_reflectance": Range(0.04, 0.8, remedy="0.04 is black paint and 0.8 is white."),
-    "pedestrian_speed_m_s": Range(0.3, 2.5, "m/s", remedy="There is no running gait."),
+    "pedestrian_speed_m_s": Range(0.3, 2.5, "m/s", remedy="Choose a walking speed."),
     "pedestrian_lag_s": Range(-60.0, 60.0, "s"),
     "shake_rms_deg": Range(0.0, 3.0, "deg"),
     "shake_corner_hz": Range(0.5, 50.0, "Hz"),

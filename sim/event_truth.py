@@ -27,7 +27,7 @@ NOISE = -2
 """Source of an event that no change of luminance caused."""
 TOLERANCE_PX = 0.5
 """How far the fastest object may move from the position for which its geometry is computed [px].
-Half a pixel is less than the reach of the lens's blur (assumed)."""
+Half a pixel is less than the radius of the lens's blur (assumed)."""
 MAX_SPAN_US = 1_000
 """Longest span of time that shares one computed geometry [µs] (assumed)."""
 MIN_SPAN_US = 20
@@ -72,8 +72,8 @@ def event_truth(
     """Find the source and the true flow of every event.
 
     The geometry is that of the middle of a span of at most 1 ms, in which the fastest object moves
-    at most `tolerance_px` from its position at the middle. The flow has no other error than the
-    one from that displacement.
+    at most `tolerance_px` from its position at the middle. This displacement is the only error of
+    the flow.
 
     Args:
         events: (n,) events of `EVENT_DTYPE`, sorted by t; t is the time since the start of the

@@ -1,9 +1,9 @@
 """A photometric camera for any MuJoCo model: the luminance that one of its cameras sees, in cd/m².
 
 The intensity of a light is in lux for a directional light, in candela for a point or spot light,
-and in cd/m² for an image light. It is multiplied by the light's diffuse colour, so set that to
-1 1 1 for the intensity to hold as given (MuJoCo's default is 0.7). The reflectance of a surface is
-the rgba of its material times its texture. The rgba is sRGB unless the model has the custom text
+and in cd/m² for an image light. It is multiplied by the light's diffuse colour, so set the diffuse
+colour to 1 1 1 to get the stated intensity (MuJoCo's default is 0.7). The reflectance of a surface
+is the rgba of its material times its texture. The rgba is sRGB unless the model has the custom text
 "filament.material.base_color_type" with the value "linear". A texture is linear unless its
 colorspace is sRGB.
 """
@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from sim.errors import RendererError, SceneConfigError
 from sim.geometry.pinhole import Pose
-from sim.geometry.rectangles import whole
+from sim.geometry.rectangles import image_rectangle
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
 from sim.raster.triangles import TriangleSoup, triangle_soup
@@ -34,7 +34,7 @@ F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
 EXAMPLE_LIGHT = '<light type="directional" dir="0 0 -1" diffuse="1 1 1" intensity="1000"/>'
-"""A light that error messages propose."""
+"""Example of a light, for error messages."""
 
 
 class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
@@ -105,12 +105,12 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         """
         if self._renderer is None:
             raise RendererError(
-                "the photometric camera is closed. Luminance can be read only before. Read it "
-                "inside the camera's with block, or make a new camera."
+                "The photometric camera is closed. Allowed is reading before it is closed. Read "
+                "the luminance inside the camera's with block, or make a new camera."
             )
         self._load_state(data)
         self._renderer.update(self._data)
-        image = whole(self.intrinsics)
+        image = image_rectangle(self.intrinsics)
         return self._renderer.luminance(self._pose(), image, supersample=self._supersample)
 
     def visible(self, data: mujoco.MjData) -> VisibilityMap:
@@ -149,7 +149,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
     def _poses_in_camera(self, data: mujoco.MjData, ahead_s: float) -> F64:
         """(bodies, 3, 4) transforms from each body's frame to the camera's, `ahead_s` later."""
         self._load_state(data, ahead_s)
-        return compose_transforms(body_poses(self._data), self._pose().into)
+        return compose_transforms(body_poses(self._data), self._pose().world_to_camera)
 
     def _load_state(self, data: mujoco.MjData, ahead_s: float = 0.0) -> None:
         """Compute all poses from the joint positions in `data`, moved on by `ahead_s`.

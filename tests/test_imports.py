@@ -1,4 +1,5 @@
-"""The structure: which package and which folder may import which, and who owns a heavy library."""
+"""The structure of the code: which packages and folders may import which, and which package may
+import a heavy library."""
 
 import ast
 import subprocess
@@ -19,7 +20,8 @@ ALLOWED = {
     "formats": {"flybench", "emulator"},
     "scenarios": {"flybench", "sim", "emulator", "detector", "formats"},
 }
-"""What each package may import. The front door, `flybench/__init__.py`, is left out."""
+"""Packages that each package may import. `flybench/__init__.py`, the public interface, is an
+exception."""
 
 LAYERS = {
     "sim": (
@@ -101,7 +103,7 @@ def test_folders_import_one_way(package: str) -> None:
     assert wrong == []
 
 
-def test_what_parses_files_imports_nothing_of_the_bench() -> None:
+def test_parsers_import_only_the_errors_of_flybench() -> None:
     names = ("errors", "identify", "columns", "parser_process")
     parsers = {Path("formats") / f"{name}.py" for name in names}
     parsers |= {path.relative_to(ROOT) for path in (ROOT / "formats" / "readers").glob("*.py")}

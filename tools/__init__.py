@@ -1,1 +1,1 @@
-"""Scripts for those who work on flybench itself."""
+"""Scripts for developers of flybench."""

@@ -1,8 +1,8 @@
 """Make the textures and tyres under `sim/assets`: `python -m tools.make_textures`.
 
-The results are committed, so that the MJCF files open in any MuJoCo viewer; this script is kept
-so that each can be made again, bit for bit, from its seed. A texture holds linear reflectance
-relative to its material's colour, 8 bits, and tiles without a seam.
+The results are committed, so that the MJCF files open in any MuJoCo viewer. This script makes each
+of them again, bit for bit, from its seed. A texture holds linear reflectance relative to its
+material's colour, 8 bits, and tiles without a seam.
 """
 
 from __future__ import annotations
@@ -92,10 +92,10 @@ def bark(rng: np.random.Generator, size: int = 128) -> Image:
 
 
 def tyre(segments: int = 32) -> str:
-    """A tyre of outer radius 1 about the y axis as a Wavefront OBJ, open in the middle.
+    """Return a tyre of outer radius 1 about the y axis, open in the middle, as Wavefront OBJ.
 
     Returns:
-        The file's text; a profile of six corners, turned.
+        The text of the file: a profile with six corners, rotated about the axis.
     """
     profile = [(0.8, -0.1), (0.93, -0.17), (1.0, -0.07), (1.0, 0.07), (0.93, 0.17), (0.8, 0.1)]
     lines = []

@@ -16,14 +16,14 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from detector.contrast_maximisation.search import Candidate, search_cold, search_warm
+from detector.contrast_maximisation.search import Velocity, search_cold, search_warm
 from detector.contrast_maximisation.warped_events import Reward, WarpedEvents, centred_points
 from detector.decision import velocity_estimate
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
-from flybench.events import Events, empty_events, joined
+from flybench.events import Events, concatenate_events, empty_events
 
 __all__ = [
     "ContrastConfig",
@@ -33,9 +33,10 @@ __all__ = [
     "maximise_contrast",
 ]
 
-_GLANCE_EVENTS = 2500
-"""Events with which a warm search scans all velocities: as many as a car's edges make (assumed)."""
-_SURVEY_EVENTS = 5000
+_WARM_SCAN_EVENTS = 2500
+"""Number of events with which a warm search scans all velocities: about the number that the edges
+of a car cause in a window (assumed)."""
+_COLD_SCAN_EVENTS = 5000
 """Events with which a cold search scans all velocities before it follows the eight best with all
 events (assumed). On synthetic dots of 120 to 1000 px/s this number leads to the same velocities as
 all events."""
@@ -50,12 +51,13 @@ class ContrastConfig:
     No value was chosen on the sequences that detectors are evaluated on.
 
     Attributes:
-        reward: measure of the sharpness of the image of warped events; see `Reward`. The gradient:
-            on synthetic windows of 120 to 1000 px/s its largest error was 1.8 px/s, that of the
-            variance 2.3 px/s.
-        window_us: span of the events of one estimate [µs]. Δt of the event-driven fly.
-        hop_us: step between estimates [µs]; the window is a multiple of it. That of the
-            event-driven fly.
+        reward: measure of the sharpness of the image of warped events; see `Reward`. The default is
+            the gradient: on synthetic windows of 120 to 1000 px/s its largest error was 1.8 px/s,
+            and that of the variance 2.3 px/s.
+        window_us: span of the events of one estimate [µs]. The default is Δt of the event-driven
+            fly.
+        hop_us: step between estimates [µs]; the window is a multiple of it. The default is the step
+            of the event-driven fly.
         limit_px_s: highest speed that is searched [px/s]. 1500, the highest at which the fly was
             measured.
         most_events: largest number of events used; from more events, this many are taken, evenly
@@ -129,7 +131,7 @@ def maximise_contrast(
     width: int,
     height: int,
     config: ContrastConfig | None = None,
-    start: Candidate | None = None,
+    start: Velocity | None = None,
 ) -> ContrastEstimate | None:
     """Find the one velocity that explains most events of a window.
 
@@ -159,18 +161,18 @@ def maximise_contrast(
     warped = thinned(c.most_events)
     limits = {"window_s": window_s, "limit_px_s": c.limit_px_s}
     if start is not None:
-        glance = thinned(_GLANCE_EVENTS)
+        glance = thinned(_WARM_SCAN_EVENTS)
         velocity = search_warm(warped.rewards, glance.rewards, start, **limits)
         found = _with_prominence(warped, velocity, is_cold=False)
         if found.prominence >= c.prominence_floor and math.hypot(*velocity) <= c.limit_px_s:
             return found
-    survey = thinned(_SURVEY_EVENTS)
-    velocity = search_cold(warped.rewards, survey_at=survey.rewards, **limits)
+    survey = thinned(_COLD_SCAN_EVENTS)
+    velocity = search_cold(warped.rewards, cold_scan_at=survey.rewards, **limits)
     return _with_prominence(warped, velocity, is_cold=True)
 
 
 def _with_prominence(
-    warped: WarpedEvents, velocity: Candidate, *, is_cold: bool
+    warped: WarpedEvents, velocity: Velocity, *, is_cold: bool
 ) -> ContrastEstimate:
     """Return the estimate for a velocity, with its reward and prominence."""
     reward = float(warped.rewards(np.array([velocity]), 1.0)[0])
@@ -214,13 +216,13 @@ class ContrastMaximisation(WindowedDetector):
         super().__init__(c.hop_us, width=width, height=height)
         hops = c.window_us // c.hop_us
         self._window = deque([empty_events()] * hops, maxlen=hops)
-        self._previous: Candidate | None = None
+        self._previous: Velocity | None = None
 
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
         c = self.config
         self._window.append(events)
         found = maximise_contrast(
-            joined(self._window),
+            concatenate_events(self._window),
             from_us=end_us - c.window_us,
             to_us=end_us,
             width=self._width,

@@ -19,7 +19,7 @@ import numpy.typing as npt
 F64 = npt.NDArray[np.float64]
 RewardAt = Callable[[F64, float], F64]
 """(n, 2) velocities [px/s] and the image's pixel side [px] → (n,) rewards."""
-Candidate = tuple[float, float]
+Velocity = tuple[float, float]
 
 _COARSEST_PX = 4.0
 """Pixel side in the scan of a cold search [px]: less than the distance between the edges of a
@@ -36,7 +36,7 @@ _KEPT = (8, 3, 1)
 _WARM_PX = 2.0
 """Pixel side in a warm search near its start [px]. Its grid has two steps to all sides (assumed):
 80 px/s with windows of 50 ms, which is an acceleration of 1600 px/s² over one window."""
-_GLANCE_PX = 8.0
+_WARM_SCAN_PX = 8.0
 """Pixel side in the scan of a warm search [px]. It is coarse and only leads to the foot of a peak;
 from there the search climbs with all events (assumed)."""
 _MOST_CLIMBS = 20
@@ -65,20 +65,20 @@ def search_cold(
     *,
     window_s: float,
     limit_px_s: float,
-    survey_at: RewardAt | None = None,
-) -> Candidate:
+    cold_scan_at: RewardAt | None = None,
+) -> Velocity:
     """Return the velocity of highest reward among all velocities up to a limit.
 
     Args:
         reward_at: rewards of candidates.
         window_s: T, span of the events [s].
         limit_px_s: highest speed that is searched [px/s].
-        survey_at: rewards from fewer events, for the first scan; None: `reward_at`.
+        cold_scan_at: rewards from fewer events, for the first scan; None: `reward_at`.
     """
     step, reward_at = _COARSEST_PX / window_s, _CachedRewards(reward_at)
     grid = disc(limit_px_s, step)
     best = _peaks(
-        grid, (survey_at or reward_at)(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0]
+        grid, (cold_scan_at or reward_at)(grid, _COARSEST_PX), apart=1.5 * step, number=_KEPT[0]
     )
     scale = _COARSEST_PX
     for kept in _KEPT[1:]:
@@ -91,19 +91,19 @@ def search_cold(
 
 def search_warm(
     reward_at: RewardAt,
-    glance_at: RewardAt,
-    start: Candidate,
+    warm_scan_at: RewardAt,
+    start: Velocity,
     *,
     window_s: float,
     limit_px_s: float,
-) -> Candidate:
+) -> Velocity:
     """Return the velocity of highest reward near a start or near the best of a cheap scan.
 
     A search near the start alone would stay on a lower peak for as long as that peak exists.
 
     Args:
         reward_at: rewards of candidates.
-        glance_at: rewards from few events, cheap enough to scan all velocities.
+        warm_scan_at: rewards from few events, cheap enough to scan all velocities.
         start: velocity to start from, such as that of the previous window [px/s].
         window_s: T, span of the events [s].
         limit_px_s: highest speed that is searched [px/s].
@@ -112,9 +112,9 @@ def search_warm(
     near = start + square(2, step)
     found = reward_at(near, _WARM_PX)
     best = [_climb(reward_at, _pair(near[int(found.argmax())]), step / 2, 1.0)]
-    grid = disc(limit_px_s, _GLANCE_PX / window_s)
-    there = _pair(grid[int(glance_at(grid, _GLANCE_PX).argmax())])
-    if math.dist(there, best[0][0]) > _GLANCE_PX / window_s:
+    grid = disc(limit_px_s, _WARM_SCAN_PX / window_s)
+    there = _pair(grid[int(warm_scan_at(grid, _WARM_SCAN_PX).argmax())])
+    if math.dist(there, best[0][0]) > _WARM_SCAN_PX / window_s:
         there, _ = _climb(reward_at, there, 2 * step, _COARSEST_PX)
         there, _ = _climb(reward_at, there, step, _WARM_PX)
         best.append(_climb(reward_at, there, step / 2, 1.0))
@@ -122,7 +122,7 @@ def search_warm(
     return _refine(reward_at, highest, step / 2, window_s)
 
 
-def _pair(velocity: F64) -> Candidate:
+def _pair(velocity: F64) -> Velocity:
     return float(velocity[0]), float(velocity[1])
 
 
@@ -145,9 +145,9 @@ def _unit_square(reach: int) -> npt.NDArray[np.int64]:
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
 
 
-def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Candidate]:
+def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Velocity]:
     """Return the highest points, each more than `apart` along an axis from every higher one."""
-    chosen: list[Candidate] = []
+    chosen: list[Velocity] = []
     for n in np.argsort(-found, kind="stable"):
         x, y = float(points[n, 0]), float(points[n, 1])
         if all(max(abs(x - a), abs(y - b)) > apart for a, b in chosen):
@@ -158,8 +158,8 @@ def _peaks(points: F64, found: F64, *, apart: float, number: int) -> list[Candid
 
 
 def _climb(
-    reward_at: RewardAt, start: Candidate, step: float, scale_px: float
-) -> tuple[Candidate, float]:
+    reward_at: RewardAt, start: Velocity, step: float, scale_px: float
+) -> tuple[Velocity, float]:
     """Move a grid of 3×3 candidates until its centre is the best; return it and its reward."""
     around = square(1, step)
     here, best = start, -math.inf
@@ -174,7 +174,7 @@ def _climb(
     return here, best
 
 
-def _refine(reward_at: RewardAt, start: Candidate, step: float, window_s: float) -> Candidate:
+def _refine(reward_at: RewardAt, start: Velocity, step: float, window_s: float) -> Velocity:
     """Halve the steps with image pixels of 1 px, then return the peak of a fitted paraboloid."""
     here = start
     while step > _FINEST_SMEAR_PX / window_s:
@@ -185,7 +185,7 @@ def _refine(reward_at: RewardAt, start: Candidate, step: float, window_s: float)
     return here[0] + shift[0], here[1] + shift[1]
 
 
-def parabola_peak(offsets: F64, values: F64) -> Candidate:
+def parabola_peak(offsets: F64, values: F64) -> Velocity:
     """Return the peak of the least-squares paraboloid through samples; (0, 0) if it has none.
 
     Args:

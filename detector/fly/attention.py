@@ -38,8 +38,9 @@ def saliency_map(on: F32, off: F32, *, radius: int) -> F32:
 def most_salient(saliency: F32) -> Pair:
     """Return the position of the saliency maximum, (x, y) in cells (paper, equation 10).
 
-    If several cells share the maximum, it is their mean position. A lone spot, smoothed by a box,
-    has its maximum all over the box, and any one corner of the box would favour a direction.
+    If several cells share the maximum, it is their mean position. A single active cell, smoothed by
+    a box, gives the same maximum in the whole box, and choosing one corner of it would favour a
+    direction.
     """
     y, x = np.nonzero(saliency == saliency.max())
     return float(x.mean()), float(y.mean())

@@ -15,7 +15,7 @@ from detector.fly.model_variants import (
     Offsets,
     PairLocation,
     RegionActivity,
-    TimeSurface,
+    SurfaceEvents,
 )
 from detector.windowed import check_whole_hops
 from flybench.checks import Range, check_ranges, member
@@ -31,20 +31,23 @@ class FlyConfig:
         tau_us: time constant τ of the time surface [µs]. Table I.
         window_us: Δt, window of the time surface and of its average [µs]. Table I.
         hop_us: step between estimates [µs]; the window and the delays are multiples of it. Assumed.
-        delay_us: lag of the delayed signal [µs]. One Δt, which gives the previous window (assumed).
+        delay_us: lag of the delayed signal [µs]. The default is one Δt, which gives the previous
+            window (assumed).
         further_delays_us: further lags [µs]. With any, the delayed signal is the mean over all
             lags: a delay line with several taps. The paper has none.
         cell_px: side of a cell [px]. Section II-B.
         neighbourhood_px: half side of the neighbourhood z of equation 3, over which a surface is
             summed [px]. 0 is the pixel alone, so that an isolated event scores 0 (assumed).
-        time_surface: whether an event counts in its own surface. It does not, by equation 3.
-        averaging: divisor of a cell's sum. The number of events, by equation 5.
+        time_surface: whether an event counts in its own surface. By default it does not, as in
+            equation 3.
+        averaging: divisor of a cell's sum. By default the number of events, as in equation 5.
         spacing_cells: sd, the shortest correlation distance [cells]. Table I.
         spacings: n_c, the number of correlation distances. Table I.
         offsets: series of the correlation distances. Multiples of sd (assumed).
         pair_location: cell that a correlation belongs to. The midpoint of the pair (assumed).
         attention: how the view centre is placed. By steering, section II-D.
-        local_motion: what ℳ of equation 13 is relative to. The total nearby (assumed).
+        local_motion: what ℳ of equation 13 is relative to. By default the total in the search
+            square (assumed).
         g_m: gain of the motion response in steering [cells]. Table I.
         g_p: gain of the position response in steering [cells]. Table I.
         alpha: weight of the new response in the steering low-pass: Δt / (Δt + τ_s) with τ_s = Δt.
@@ -92,7 +95,7 @@ class FlyConfig:
     further_delays_us: tuple[int, ...] = ()
     cell_px: int = 3
     neighbourhood_px: int = 0
-    time_surface: TimeSurface = TimeSurface.EARLIER
+    time_surface: SurfaceEvents = SurfaceEvents.EARLIER
     averaging: Averaging = Averaging.EVENTS
     spacing_cells: int = 4
     spacings: int = 4

@@ -3,8 +3,8 @@
 A half-detector multiplies the delayed signal of one point with the present signal of another. The
 two half-detectors of an axis share both points and exchange the delay (the arrangement of
 Hassenstein and Reichardt). The paper prints only the rightward half-detector and leaves the
-others to analogy. In this arrangement, what flickers without moving cancels in every single pair,
-so that HS and VS stay unbiased if a region of interest cuts through the object.
+others to analogy. In this arrangement, the responses to flicker without motion cancel in every
+pair, so that HS and VS stay unbiased if a region of interest cuts through the object.
 
 For the same reason a pair belongs to the cell at its midpoint by default, not to its delayed point
 as printed. The edge of a region then cuts the pairs of opposite directions alike, and a mirrored

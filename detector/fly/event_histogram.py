@@ -5,10 +5,10 @@ e^((t_j − origin) / τ). The surface of an event is W over the weight of an ev
 addition when an event comes and one subtraction when it leaves the window, however many events lie
 between.
 
-The event that leaves is the oldest and has the smallest weight, so the subtraction cancels no
-digits that matter. What remains of a pixel's total is either an event of at least that weight, or
-rounding error, which is set to zero. The operations on a pixel follow from the event times alone,
-so the cuts between chunks change no bit.
+The event that leaves the window is the oldest and has the smallest weight, so the subtraction does
+not lose significant digits. What remains of a pixel's total is either an event of at least that
+weight, or rounding error, which is set to zero. The operations on a pixel follow from the event
+times alone, so the cuts between chunks change no bit.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 
-class TimeSurface(StrEnum):
+class SurfaceEvents(StrEnum):
     """The events that make up the time surface of an event (equation 3)."""
 
     EARLIER = "earlier"
@@ -130,7 +130,7 @@ class Normalisation(StrEnum):
     """Share of the sum of both directions. Strength is the degree of agreement."""
 
 
-class GrmsOf(StrEnum):
+class GrmsResponse(StrEnum):
     """The response whose gradient GRMS measures (figure 5 B)."""
 
     WINNER = "winner"

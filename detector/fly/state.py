@@ -30,7 +30,7 @@ def state_header(config: FlyConfig, *, width: int, height: int) -> State:
 
 
 def check_header(state: Mapping[str, npt.NDArray[Any]], expected: State) -> None:
-    """Refuse a state that is not one, or that has another format, configuration or sensor.
+    """Refuse a value that is not a state, or a state of another format, configuration or sensor.
 
     Raises:
         StateError: the state does not match.

@@ -20,7 +20,7 @@ from detector.fly.event_histogram import (
     weight_table,
 )
 from detector.fly.histogram import averaged_histogram
-from detector.fly.model_variants import TimeSurface
+from detector.fly.model_variants import SurfaceEvents
 from flybench.events import Events
 
 F32 = npt.NDArray[np.float32]
@@ -56,7 +56,7 @@ class TimeSurfaces:
             config.window_us,
             self._origin_age_us,
             config.neighbourhood_px,
-            config.time_surface is TimeSurface.ITSELF,
+            config.time_surface is SurfaceEvents.ITSELF,
             width,
             weight_table(config.tau_us),
             np.concatenate([np.arange(width) // side, np.arange(height) // side * self.columns]),
@@ -140,7 +140,7 @@ class TimeSurfaces:
             )
 
     def forget(self) -> None:
-        """Return to the initial state, so that later events give the bits that a new one gives."""
+        """Return to the initial state: later events give the bits that a new instance gives."""
         for array in (self._totals, self._tallies, self._surfaces, self._has_surface, self._clock):
             array[...] = 0
         self._clock[ORIGIN] = -self._config.window_us

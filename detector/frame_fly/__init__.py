@@ -1,1 +1,1 @@
-"""The frame-based fly of Fu and Yue (2020), which reads APS frames."""
+"""The frame-based fly of Fu and Yue (2020), which takes APS frames."""

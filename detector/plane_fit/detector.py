@@ -53,8 +53,9 @@ class PlaneFitConfig:
         span_us: greatest age of a neighbour relative to its event [µs]. 100 ms: an edge of 25 px/s
             crosses the square in that time (assumed).
         burst_us: an event this soon after another of its pixel and polarity belongs to the same
-            edge and is not used [µs]. 4 ms: a sharp edge of 50 px/s makes events this close
-            together, and edges of one polarity at 1500 px/s are 6 px apart (assumed).
+            edge and is not used [µs]. The default of 4 ms is the spacing of the events of a sharp
+            edge at 50 px/s; at 1500 px/s, it separates edges of one polarity that are 6 px apart
+            (assumed).
         least_neighbours: least number of neighbours in a fit. 10 of the 15 that an edge has swept:
             on synthetic textures, this excludes nearly all fits across several edges (assumed).
         tolerance_px: greatest distance of a neighbour from the plane, as the distance that the edge

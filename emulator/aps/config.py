@@ -1,9 +1,9 @@
-"""The parameters of the frame part of a DAVIS346, each with its source or the word assumed.
+"""The parameters of the APS of a DAVIS346, each with its source, or marked as assumed.
 
 Sources: Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240, the same 18.5 µm pixel);
 the paper = the one that this bench reproduces (its DAVIS346: up to 40 frames/s, 55 dB).
-For the other values of the DAVIS346 we know no document to cite; they are marked assumed, with what
-users report of the real camera.
+For the other values of the DAVIS346 we know no document to cite. They are marked as assumed, with
+the values that users report.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _RANGES = {
     "target_dn": Range(
         1.0, 1023.0, remedy="Give the target mean level of auto-exposure, such as 200."
     ),
-    "period_min_us": Range(1, 10_000_000, remedy="25000 is 40 frames per second."),
+    "period_min_us": Range(1, 10_000_000, remedy="Give whole microseconds; 25000 is 40 frames/s."),
     "fixed_pattern": Range(
         0.0, 0.5, remedy="Give the standard deviation of the gain over pixels, such as 0.005."
     ),
@@ -93,7 +93,8 @@ class ApsConfig:
         for name in ("noise", "auto_exposure"):
             if not isinstance(getattr(self, name), bool):
                 raise SensorConfigError(
-                    f"{name} is {getattr(self, name)!r}. Allowed is True or False."
+                    f"{name} is {getattr(self, name)!r}. Allowed is True or False. "
+                    "Choose one of them."
                 )
         if self.shutter not in SHUTTERS:
             raise SensorConfigError(
@@ -101,9 +102,9 @@ class ApsConfig:
                 "global to expose all rows at once, rolling to expose one after another."
             )
         longest = Range(
-            self.exposure_min_us, 10_000_000, remedy="It may not be below exposure_min_us."
+            self.exposure_min_us, 10_000_000, remedy="Raise it to exposure_min_us or more."
         )
-        reachable = Range(1.0, 0.95 * self.saturation_dn, remedy="It must be below saturation_dn.")
+        reachable = Range(1.0, 0.95 * self.saturation_dn, remedy="Lower it below saturation_dn.")
         ranges = {"exposure_max_us": longest, "target_dn": reachable}
         check_ranges(self, ranges, SensorConfigError)
 

@@ -44,7 +44,7 @@ Image = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class ApsFrame:
-    """One APS frame.
+    """One APS frame and the times of its exposure.
 
     Attributes:
         start_us: start of the exposure; with a rolling shutter, of the first row [µs].

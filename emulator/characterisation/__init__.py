@@ -1,7 +1,7 @@
 """Characterisation: the experiments that measure real event cameras, run on the emulator.
 
 Each experiment is one file in `experiments/`. It uses only the public interface of the emulator;
-where it looks at the causes of events, it says so. `characterise` runs all experiments.
+if it uses the causes of events, its docstring states this. `characterise` runs all experiments.
 `fit_static` and `fit_ramps` estimate the parameters of a sensor from a recording.
 """
 

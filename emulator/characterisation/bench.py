@@ -18,7 +18,7 @@ from emulator.config import SensorConfig
 from emulator.pixel.optics import lux_per_cd_m2
 from emulator.readout.config import UNLIMITED
 from emulator.sensor import EventSensor
-from flybench.events import Events, joined
+from flybench.events import Events, concatenate_events
 
 REFLECTANCE = 0.18
 """Reflectance of the card (assumed: photographic grey; the sources state only the illuminance)."""
@@ -66,7 +66,7 @@ def record(
 
     outputs = list(sensor.stream(noting_times()))
     return Recording(
-        joined([output.events for output in outputs]),
+        concatenate_events([output.events for output in outputs]),
         np.concatenate([output.causes for output in outputs]),
         tuple(frame for output in outputs for frame in output.aps_frames),
         (config.height, config.width),

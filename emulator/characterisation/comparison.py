@@ -28,8 +28,8 @@ def chip_of(config: SensorConfig) -> str | None:
 def mark_other_sensors(section: Section, config: SensorConfig) -> Section:
     """Mark each published figure of a section that belongs to another sensor than `config`.
 
-    The section of the default sensor stays as it is: its sources name their sensors, and say which
-    defaults were set from them.
+    The section of the default sensor is not changed: its sources name their sensors, and state
+    which defaults were set from them.
     """
     chip = chip_of(config)
     if chip == DAVIS346:

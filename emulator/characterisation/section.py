@@ -1,4 +1,4 @@
-"""The result of an experiment: its figures, its curves and its method."""
+"""The result of one experiment: measured values, curves and a description of the method."""
 
 from __future__ import annotations
 

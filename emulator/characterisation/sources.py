@@ -1,4 +1,4 @@
-"""Published figures of real sensors, with who measured each and under which conditions.
+"""Published figures of real sensors, with the source and the conditions of each.
 
 A figure is listed here if we could read it in the abstract or data sheet of its source, or if a
 default of the emulator is set from it. The latter say "our default is set from it". Agreement with

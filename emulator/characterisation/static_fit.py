@@ -6,20 +6,20 @@ T = θ_on/drift. So no interval of a pixel is longer than T, and intervals that 
 A pixel with several ON events after equally long intervals, the longest that it has, shows its
 leak period T. Earlier events are shot noise; their rate is their number over the time before T.
 
-What a static recording tells:
+What can be estimated from a static recording:
 
 - The shot rates, always.
 - The leak rate, if shot noise sometimes leaves a pixel alone for longer than T. In dim light it
   does not, and the leak is None.
 - θ_on and its mismatch, from T, if the drift in ln units per second is known. The drift is a
   property of the junction and its illumination, not of the threshold's bias (Nozaki, Delbruck
-  2017). Without it a static recording gives θ_on up to that factor, and so the mismatch relative to
-  the threshold.
-- θ_off, never, by any method. On a static scene nothing moves a pixel towards it: leak drifts the
-  other way, and shot noise is a process in time whose rate depends on the illuminance and not on
-  the threshold (`emulator.pixel.noise`). Two sensors that differ in θ_off alone give the same
-  static recording, event for event (a test proves it), so no function of the recording can tell
-  them apart. It takes a known modulation: `emulator.characterisation.ramp_fit` estimates both
+  2017). Without it, a static recording determines θ_on only up to that factor, and therefore only
+  the mismatch relative to the threshold.
+- θ_off cannot be estimated by any method. On a static scene nothing moves a pixel towards it: leak
+  drifts the other way, and shot noise is a process in time whose rate depends on the illuminance
+  and not on the threshold (`emulator.pixel.noise`). Two sensors that differ in θ_off alone give the
+  same static recording, event for event (a test proves it), so no function of the recording can
+  tell them apart. It takes a known modulation: `emulator.characterisation.ramp_fit` estimates both
   thresholds.
 """
 

@@ -41,7 +41,7 @@ class ActiveMasks(NamedTuple):
     due: Masks
 
 
-class Share(NamedTuple):
+class ThreadShare(NamedTuple):
     """The part of the blocks that one thread processes.
 
     Attributes:
@@ -90,8 +90,8 @@ def next_block(block: int, parts: int) -> int:
 
 
 @compiled
-def find_changed(before: Words, after: Words, masks: ActiveMasks, share: Share) -> None:
-    """Find the pixels whose luminance has changed, by a comparison of bits; NaN always counts.
+def find_changed(before: Words, after: Words, masks: ActiveMasks, share: ThreadShare) -> None:
+    """Find the pixels whose luminance has changed, bit by bit; NaN counts as a change.
 
     The compiler processes many pixels at a time only if no index can be negative. Slices would be
     slower: the reference count of their array is changed by an instruction that all cores share.
@@ -116,7 +116,7 @@ def find_changed(before: Words, after: Words, masks: ActiveMasks, share: Share) 
 
 @compiled
 def find_due(
-    wake_us: Ticks, block_wake_us: Ticks, to_us: np.int32, masks: ActiveMasks, share: Share
+    wake_us: Ticks, block_wake_us: Ticks, to_us: np.int32, masks: ActiveMasks, share: ThreadShare
 ) -> None:
     """Find the pixels whose wake time is not after `to_us`; `masks.due` is set."""
     due = masks.due
@@ -132,7 +132,7 @@ def find_due(
 
 
 @compiled
-def is_valid(luminance: Floats, changed: Masks, share: Share) -> bool:
+def is_valid(luminance: Floats, changed: Masks, share: ThreadShare) -> bool:
     """Return True if every luminance in blocks with changes is valid: not NaN, and in range."""
     valid = True
     block = share.part * GROUP
@@ -148,7 +148,7 @@ def is_valid(luminance: Floats, changed: Masks, share: Share) -> bool:
 
 @compiled
 def find_active(
-    state: PixelState, luminance: Floats, to_us: int, masks: ActiveMasks, share: Share
+    state: PixelState, luminance: Floats, to_us: int, masks: ActiveMasks, share: ThreadShare
 ) -> bool:
     """Find the active pixels in the blocks of one thread, and check the new luminance.
 

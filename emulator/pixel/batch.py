@@ -1,4 +1,4 @@
-"""Many pixels at once on one segment without an event: the common case.
+"""Follows many pixels at once through a segment without an event, which is the common case.
 
 Active pixels are gathered into batches and followed to the end of the step by the equations of
 `emulator.pixel.single_pixel`. Pixels that stay silent are then stored; the others are processed
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.pixel.noise import leak_drift, shot_rates
-from emulator.pixel.photoreceptor import LOG_PIECE, corner_per_us, lag_after, log_current
+from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
 from emulator.pixel.state import PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp, log
@@ -169,7 +169,7 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
         log_to = log_current(fields[LUMINANCE_TO + k] * per_cd_m2, dark_lux)
         middle = 0.5 * (log_from + log_to)
         current_lux = exp(middle)
-        corner = corner_per_us(current_lux, model.corner_per_lux, model.corner_limit)
+        corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
         decay = exp(-span_us * corner)
         tau_us = 1.0 / corner
         shot_on, shot_off = shot_rates(model.noise, middle)

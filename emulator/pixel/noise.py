@@ -1,8 +1,8 @@
-"""Noise as processes in time (leak, shot noise, hot pixels), and the random numbers for them.
+"""Noise as random processes in time, and their random numbers: leak, shot noise, hot pixels.
 
-Rates are per pixel and depend on the illuminance on the chip alone. A clock in each pixel counts a
-unit exponential random number down by rate·time, so that the noise events and their times do not
-depend on the steps.
+Rates are per pixel and depend on the illuminance on the chip alone. Each pixel has a clock that
+starts at a unit exponential random number and is counted down by rate·time; a noise event occurs
+when it reaches 0. The events and their times therefore do not depend on the steps.
 
 Shot noise is a Poisson process in time whose rate depends on illuminance alone: events are the
 first passages of that clock, and nothing is drawn per frame. It is not modelled as a noise voltage
@@ -31,7 +31,7 @@ import numpy.typing as npt
 
 from emulator.config import SensorConfig
 from flybench.kernels import compiled, inlined
-from flybench.portable_math import exp, half_turn, log, real_of
+from flybench.portable_math import exp, log, sine_and_cosine, to_double
 
 SHOT_LUX = (0.1, 161.0)
 SHOT_OFF_HZ = (4.2, 0.0012)
@@ -158,8 +158,8 @@ def draw_gaussians(seed: np.uint64, first: np.uint64, out: npt.NDArray[np.float3
         z = (z ^ (z >> _S30)) * _MIX_1
         z = (z ^ (z >> _S27)) * _MIX_2
         z = z ^ (z >> _S31)
-        radius = math.sqrt(-2.0 * log((real_of(z >> _S32) + 0.5) * _PER_WORD))
-        turn = (real_of(z & _LOW_WORD) + 0.5) * _PER_WORD - 0.5
-        sine, cosine = half_turn(math.pi * turn)
+        radius = math.sqrt(-2.0 * log((to_double(z >> _S32) + 0.5) * _PER_WORD))
+        turn = (to_double(z & _LOW_WORD) + 0.5) * _PER_WORD - 0.5
+        sine, cosine = sine_and_cosine(math.pi * turn)
         ones[k] = radius * (2.0 * sine * cosine)
         others[k] = radius * (1.0 - 2.0 * sine * sine)

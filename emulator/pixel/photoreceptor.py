@@ -1,4 +1,4 @@
-"""The logarithmic photoreceptor: a first-order low-pass whose cutoff grows with the light.
+"""The logarithmic photoreceptor: a first-order low-pass whose cutoff grows with the illuminance.
 
 The output v follows u = ln(photocurrent + dark current) through τ·dv/dt = u − v with 1/τ = 2πf, and
 f is proportional to the current up to a limit set by the biases (Lichtsteiner, Posch, Delbruck
@@ -32,7 +32,7 @@ def log_current(lux: float, dark_lux: float) -> float:
 
 
 @inlined
-def corner_per_us(current_lux: float, corner_per_lux: float, corner_limit: float) -> float:
+def inverse_tau_per_us(current_lux: float, corner_per_lux: float, corner_limit: float) -> float:
     """Return the corner frequency 1/τ [1/µs].
 
     Args:

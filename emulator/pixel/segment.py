@@ -1,4 +1,4 @@
-"""One event pixel on one segment of time without an event, and in reset.
+"""One event pixel in a segment of time without an event, or in reset.
 
 The functions pass the numbers of one pixel by value, as tuples of scalars: the compiler keeps those
 in registers, whereas an array handed from function to function would be reference counted.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from emulator.pixel.noise import leak_drift, shot_rates
-from emulator.pixel.photoreceptor import corner_per_us, lag_after
+from emulator.pixel.photoreceptor import inverse_tau_per_us, lag_after
 from emulator.pixel.source_follower import second_lag_after
 from emulator.pixel.state import PixelModel
 from flybench.kernels import inlined
@@ -75,7 +75,7 @@ def make_segment(
     """
     middle = 0.5 * (log_from + log_to)
     current_lux = exp(middle)
-    corner = corner_per_us(current_lux, model.corner_per_lux, model.corner_limit)
+    corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
     shot_on, shot_off = shot_rates(model.noise, middle)
     return Segment(
         (log_to - log_from) / span_us,

@@ -1,4 +1,4 @@
-"""One event pixel up to its next event.
+"""Follows one event pixel to its next event.
 
 Threshold crossings and noise compete; whichever comes first resets the pixel. While the pixel is
 refractory, the memorised value follows the photoreceptor, so that changes in that time are lost
@@ -40,7 +40,7 @@ LONGEST_SLEEP_US = 2.0**30
 
 
 @inlined
-def crossing_mark(leak: float, theta_on: float, on: bool) -> int:
+def crossing_code(leak: float, theta_on: float, on: bool) -> int:
     """Return 2·cause + polarity of a crossing.
 
     The cause is the leak if it has drifted further than the signal has changed.
@@ -175,7 +175,7 @@ def advance(
     if crossing_us < NEVER_US:
         leak = pixel.leak + segment.leak_drift * crossing_us
         pixel, spent_us = reset_at(pixel, segment, model, crossing_us, left_us)
-        return pixel, spent_us, crossing_us, crossing_mark(leak, mismatch.theta_on, on)
+        return pixel, spent_us, crossing_us, crossing_code(leak, mismatch.theta_on, on)
     if not noisy:
         return without_event(pixel, segment, model, span_us, decay), span_us, 0.0, NO_EVENT
     pixel, spent_us = reset_at(pixel, segment, model, span_us, left_us)

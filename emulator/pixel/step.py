@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.active_pixels import GROUP, ActiveMasks, Share, next_block
+from emulator.pixel.active_pixels import GROUP, ActiveMasks, ThreadShare, next_block
 from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
 from emulator.pixel.batch_events import step_others, store_finished
 from emulator.pixel.state import BLOCK, PixelModel, PixelState, StepTimes
@@ -34,7 +34,7 @@ def doubled(keys: Keys) -> Keys:
 
 @compiled
 def fill_batch(masks: ActiveMasks, block: int, parts: int, batch: Batch) -> tuple[int, int]:
-    """Collect active pixels, block after block, while the next block is certain to fit.
+    """Collect active pixels, block by block, as long as the next block certainly fits.
 
     Args:
         masks: active pixels.
@@ -65,7 +65,9 @@ def fill_batch(masks: ActiveMasks, block: int, parts: int, batch: Batch) -> tupl
 
 
 @compiled
-def update_block_wake(state: PixelState, masks: ActiveMasks, to_us: np.int32, share: Share) -> None:
+def update_block_wake(
+    state: PixelState, masks: ActiveMasks, to_us: np.int32, share: ThreadShare
+) -> None:
     """Update the earliest wake time of each block of a thread that had active pixels."""
     wake_us, block_wake_us = state.wake_us, state.block_wake_us
     block, changed, due = share.part * GROUP, masks.changed, masks.due
@@ -85,7 +87,7 @@ def step_pixels(
     luminance: npt.NDArray[np.float32],
     times: StepTimes,
     masks: ActiveMasks,
-    share: Share,
+    share: ThreadShare,
     batch: Batch,
     keys: Keys,
 ) -> tuple[Keys, int]:

@@ -40,7 +40,7 @@ from emulator.pixel.batch import (
 )
 from emulator.pixel.change_detector import is_close
 from emulator.pixel.photoreceptor import lag_after
-from emulator.pixel.single_pixel import crossing_mark
+from emulator.pixel.single_pixel import crossing_code
 from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled
 from flybench.portable_math import exp
@@ -126,7 +126,7 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
         own[OUTCOME + k] = SINGLE if sure else CROSSING
         own[EVENT_TIME + k] = s
         leaked = leak + drift * s
-        own[MARK + k] = crossing_mark(leaked, theta_on, on)
+        own[MARK + k] = crossing_code(leaked, theta_on, on)
 
 
 @compiled

@@ -27,7 +27,7 @@ from emulator.readout.arbiter_queue import (
 )
 from emulator.readout.arbitration import DELAYED, DROPPED, LONGEST_DELAY, Bus, arbitrate
 from emulator.readout.event_keys import Keys
-from emulator.readout.latency import Latency
+from emulator.readout.latency import FixedLatency
 from emulator.readout.stats import ReadoutStats
 
 
@@ -49,7 +49,7 @@ class Arbiter:
         self._latency_us = latency_us
         self._queue = empty_queue(width * height, height)
         self._granted = np.empty(INITIAL_SLOTS, np.int64)
-        self._latency = Latency(latency_us)
+        self._latency = FixedLatency(latency_us)
 
     def read_out(self, keys: Keys, *, from_us: int, to_us: int) -> tuple[Keys, ReadoutStats]:
         """Read the events of one step out.

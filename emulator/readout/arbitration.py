@@ -100,7 +100,7 @@ def grant(
 def pass_uncontended(
     keys: Keys, from_us: int, bus_free_ps: int, few: int, granted: Keys, taken: int, count: int
 ) -> int:
-    """Grant the events of microseconds with so few events that all leave within them.
+    """Grant the events of every microsecond in which the bus can carry all of them.
 
     Args:
         keys: (n,) events of the step, sorted.

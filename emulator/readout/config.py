@@ -1,4 +1,4 @@
-"""The parameters of the readout, each with its source or the word assumed."""
+"""The parameters of the readout, each with its source, or marked as assumed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from emulator.errors import SensorConfigError
 from flybench.checks import Range, check_ranges, member
 
 UNLIMITED_HZ = 1e12
-"""Words per second from which the bus counts as unlimited."""
+"""Number of words per second from which on the bus counts as unlimited."""
 
 _RANGES = {
     "limit_hz": Range(1.0, UNLIMITED_HZ, remedy="Use 1e12 for an unlimited bus."),

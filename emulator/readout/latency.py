@@ -8,7 +8,7 @@ from emulator.readout.event_keys import LOW_BITS, TIME_SHIFT, Keys
 from emulator.readout.stats import ReadoutStats
 
 
-class Latency:
+class FixedLatency:
     """Stamps events a fixed time after they are read; the whole readout of an unlimited bus.
 
     Args:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.readout.event_keys import LOW_BITS, TIME_SHIFT, Keys
-from emulator.readout.latency import Latency
+from emulator.readout.latency import FixedLatency
 from emulator.readout.stats import ReadoutStats
 
 
@@ -32,7 +32,7 @@ class Scan:
         self._latency_us = latency_us
         self._times_us: npt.NDArray[np.int64] = np.empty(0, np.int64)
         self._lows: Keys = np.empty(0, np.int64)
-        self._latency = Latency(latency_us)
+        self._latency = FixedLatency(latency_us)
 
     def read_out(self, keys: Keys, *, from_us: int, to_us: int) -> tuple[Keys, ReadoutStats]:
         """Read the events of one step out.

@@ -30,7 +30,7 @@ def run(seconds: float, step_px: float):
 
     Args:
         seconds: simulated time [s].
-        step_px: farthest motion in the image between two rendered samples [px].
+        step_px: largest motion in the image between two rendered samples [px].
 
     Returns:
         Events, last APS frame or None, last luminance image [cd/m²], and all estimates.

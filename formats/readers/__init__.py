@@ -1,4 +1,4 @@
-"""Parsers, one module a format.
+"""Parsers: one module for each format.
 
 Each has a function `read(path, options)` that returns the file's header and an iterator of its
 events and frames.

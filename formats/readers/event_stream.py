@@ -27,7 +27,8 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     decoder = faery.file_decoder.es.Decoder(path, 0)
     if decoder.event_type not in ("dvs", "atis"):
         raise FormatError(
-            f"{path} contains {decoder.event_type} events. Allowed are those of a DVS or an ATIS."
+            f"{path} contains {decoder.event_type} events. Allowed are those of a DVS or an ATIS. "
+            "Give a recording of one of these."
         )
     facts = {"version": str(decoder.version), "sensor type": decoder.event_type.upper()}
     return FileHeader(decoder.dimensions, facts), _items(decoder)

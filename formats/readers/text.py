@@ -1,4 +1,4 @@
-"""Text and CSV files, one event a line.
+"""Text and CSV files with one event per line.
 
 A line with the width and height of the sensor may come first. Columns are separated by blanks,
 tabs, commas or semicolons. A header may name them. Without a header the reader recognises them by
@@ -162,7 +162,9 @@ def _size(line: bytes) -> Size | None:
 def _no_events(path: Path, head: bytes) -> FormatError:
     if path.suffix.lower() in BINARY_ENDINGS:
         return truncated_header(path, head)
-    return FormatError(f"{path} has no line of numbers. Give a file with one event a line.")
+    return FormatError(
+        f"{path} has no line of numbers. Allowed is one event per line. Give such a file."
+    )
 
 
 def _guess(values: Array, rows: list[list[str]]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Write event recordings: one interface for every format, one module a format."""
+"""Write event recordings: one interface for all formats, and one module for each format."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from flybench.events import Events, joined
+from flybench.events import Events, concatenate_events
 from formats.errors import FormatError
 from formats.writers.base import EventWriter
 
@@ -58,7 +58,7 @@ class DsecWriter(EventWriter):
     def _flush(self) -> None:
         if not self._buffer:
             return
-        events = joined(self._buffer)
+        events = concatenate_events(self._buffer)
         self._buffer, self._buffered = [], 0
         self._extend_index(events["t"])
         for name, column in self._columns.items():

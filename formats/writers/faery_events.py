@@ -1,4 +1,4 @@
-"""Convert events to the dtype that faery takes."""
+"""Conversion of events to the dtype that faery takes."""
 
 from __future__ import annotations
 

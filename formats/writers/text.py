@@ -1,4 +1,4 @@
-"""Text, one event a line, as in the Event Camera Dataset (ECD, Mueggler et al. 2017), and CSV."""
+"""CSV, and text with one event per line (Event Camera Dataset, Mueggler et al. 2017)."""
 
 from __future__ import annotations
 

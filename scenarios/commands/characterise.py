@@ -42,8 +42,13 @@ class Characterise:
     sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     seed: int = 0
     """Random seed, from 0 to 4294967295. The same seed gives the same figures."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Output folder; replaces an earlier output. Default: a descriptive name under logs/."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR", help_behavior_hint="(default: a descriptive name under logs/)"
+        ),
+    ] = None
+    """Folder to write; an earlier result in it is replaced."""
 
     def execute(self) -> int:
         """Run all experiments, write the folder and print the figures."""

@@ -39,7 +39,8 @@ class Converge:
     )
     """Other things that move or flicker."""
     piece_px: float = 3.0
-    """Length of the rendered piece, as motion of the vehicle [px], 1 to 64."""
+    """Length of the rendered piece, given as the distance that the vehicle moves in the image, 1 to
+    64 [px]."""
     out: Annotated[
         Path | None,
         tyro.conf.arg(metavar="DIR", help_behavior_hint="(default: nothing is written)"),
@@ -91,7 +92,7 @@ class Converge:
 def print_rows(rows: list[tuple[Any, ...]]) -> None:
     """Print one line per rendering; "matched" is the lower of recall and precision."""
     limits = " / ".join(f"{limit / 1000:g}" for limit in WITHIN_US)
-    table = Table(title="Events compared with the finest rendering, the first of each lighting")
+    table = Table(title="Events compared with the first row of each lighting, the finest rendering")
     table.add_column("lighting, rendering", no_wrap=True)
     for heading in ("step", "CPU", "events", f"matched in {limits} ms", "median"):
         table.add_column(heading, justify="right", no_wrap=True)

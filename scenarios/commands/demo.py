@@ -15,7 +15,7 @@ from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import run_sequence
+from scenarios.runs.sequence import record_run
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Demo:
             make_detector(config)
         with progress_bar() as progress:
             summaries = [
-                (folder, run_sequence(config, folder, progress.track(config.name)))
+                (folder, record_run(config, folder, progress.track(config.name)))
                 for folder, config in runs
             ]
         print_runs(summaries)

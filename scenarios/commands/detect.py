@@ -55,9 +55,10 @@ class Detect:
     scale_to_sensor: bool = False
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
-    """Factor on all times of the detector, 0.001 to 1000; above 1 for slower motion."""
+    """Factor for all times of the detector, 0.001 to 1000; use a value above 1 for slower
+    motion."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint=_FROM_FILE)] = None
-    """Sensor size [px], such as 346x260, if the file does not state it or is wrong."""
+    """Sensor size [px], such as 346x260, if the file does not state it, or states a wrong size."""
     format: Annotated[
         str | None,
         tyro.conf.arg(

@@ -83,7 +83,7 @@ class Emulate:
     transfer: Literal["srgb", "linear"] = "srgb"
     """Relation of grey levels to luminance: sRGB, as in most images and videos, or linear."""
     sensor: PresetName = "davis346"
-    """Preset of the sensor; the middle of the picture fills it."""
+    """Preset of the sensor. The picture is scaled and cropped to fill it."""
     seed: int = 0
     """Seed of the sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal events."""
     interpolate: bool = False

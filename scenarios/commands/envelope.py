@@ -30,11 +30,11 @@ class Envelope:
     REPEATABLE: ClassVar = frozenset({"--method"})
     method: RepeatedMethod = ()
     full: bool = False
-    """Draw every point ten times instead of twice."""
+    """Measure every point ten times instead of twice, with different seeds."""
     seeds: Annotated[
         int | None, tyro.conf.arg(metavar="INT", help_behavior_hint="(default: 2)")
     ] = None
-    """Number of drawings of every point, 1 or more; overrides --full."""
+    """Number of repetitions of every point, 1 or more; overrides --full."""
     speeds: tuple[float, ...] = SPEEDS_PX_S
     """Image speeds [px/s], 1 to 20000."""
     noises: tuple[float, ...] = NOISES_HZ
@@ -42,7 +42,8 @@ class Envelope:
     cross: tuple[Factor, ...] = ("direction",)
     """Factors to measure at every speed and noise; others are measured at every speed."""
     only: Annotated[
-        tuple[Factor, ...] | None, tyro.conf.arg(help_behavior_hint="(default: all factors)")
+        tuple[Factor, ...] | None,
+        tyro.conf.arg(metavar="FACTOR ...", help_behavior_hint="(default: all factors)"),
     ] = None
     """Factors to vary, besides those of --cross."""
     jobs: int = -1

@@ -22,9 +22,9 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, run_sequence
+from scenarios.runs.sequence import EventsFormat, record_run
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
-from sim.config import DISTANCE_M, ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
+from sim.config import DEFAULT_DISTANCE_M, DEFAULT_ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
 LOGS = Path("logs")
 SECOND_SPEED = 1
@@ -35,12 +35,13 @@ _OMEGA_HINT = (
     f"and at dusk, {PAPER_OMEGA_RAD_S[Lighting.NIGHT][SECOND_SPEED]} at night)"
 )
 _DISTANCE_HINT = (
-    f"(default: the paper's {DISTANCE_M[Lighting.DAY]} by day and at dusk, "
-    f"{DISTANCE_M[Lighting.NIGHT]} at night)"
+    f"(default: the paper's {DEFAULT_DISTANCE_M[Lighting.DAY]} by day and at dusk, "
+    f"{DEFAULT_DISTANCE_M[Lighting.NIGHT]} at night)"
 )
 _ILLUMINANCE_HINT = (
-    f"(default: {ILLUMINANCE_LUX[Lighting.DAY]:g} by day, {ILLUMINANCE_LUX[Lighting.DUSK]:g} at "
-    f"dusk, {ILLUMINANCE_LUX[Lighting.NIGHT]:g} at night)"
+    f"(default: {DEFAULT_ILLUMINANCE_LUX[Lighting.DAY]:g} by day, "
+    f"{DEFAULT_ILLUMINANCE_LUX[Lighting.DUSK]:g} at dusk, "
+    f"{DEFAULT_ILLUMINANCE_LUX[Lighting.NIGHT]:g} at night)"
 )
 
 
@@ -69,7 +70,8 @@ class Run:
     vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
     """Kind of vehicle."""
     paint_reflectance: float = CrossingConfig.paint_reflectance
-    """Paint reflectance, 0.04 (black) to 0.8 (white); by day 0.13 hardly differs from the road."""
+    """Paint reflectance, 0.04 (black) to 0.8 (white); at 0.13 the vehicle hardly differs from the
+    road by day."""
     distance_m: Annotated[
         float | None, tyro.conf.arg(metavar="METRES", help_behavior_hint=_DISTANCE_HINT)
     ] = None
@@ -95,11 +97,13 @@ class Run:
         tuple[str, ...],
         tyro.conf.arg(metavar="NAME ...", help_behavior_hint="(default: no other detectors)"),
     ] = ()
-    """Further detectors to run on the same events, for comparison; names as for --method."""
+    """Further detectors to run on the same events, for comparison. Their names are those of
+    --method."""
     sensor: PresetName = "davis346"
     """Preset of the sensor: its pixels, its readout and its lens, which set the field of view."""
     noise: bool = True
-    """Simulate leak events, shot noise, hot pixels and frame noise; off only with davis346."""
+    """Simulate leak events, shot noise, hot pixels and frame noise. --no-noise needs --sensor
+    davis346."""
     lead_s: float = 0.15
     """Time before the vehicle enters the image and after it has left, 0.05 to 10 [s]."""
     step_px: float = CrossingConfig.step_px
@@ -118,7 +122,7 @@ class Run:
             metavar="DIR", help_behavior_hint="(default: a descriptive name under logs/)"
         ),
     ] = None
-    """Folder to write: a new one, an empty one, or one of an earlier run, which is replaced."""
+    """Folder to write; an earlier result in it is replaced."""
     cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def config(self) -> RunConfig:
@@ -159,7 +163,7 @@ class Run:
         make_detector(config)
         make_extra_detectors(config, self.also)
         with progress_bar() as progress:
-            summary = run_sequence(
+            summary = record_run(
                 config,
                 folder,
                 progress.track(config.name),
@@ -189,7 +193,7 @@ class Run:
                 f"--omega is {self.omega} and --speed-km-h is {self.speed_km_h}. Allowed is one of "
                 "them. Leave the other out."
             )
-        return omega_from_speed(self.speed_km_h, self.distance_m or DISTANCE_M[lighting])
+        return omega_from_speed(self.speed_km_h, self.distance_m or DEFAULT_DISTANCE_M[lighting])
 
 
 if __name__ == "__main__":

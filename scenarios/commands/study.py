@@ -53,22 +53,25 @@ class Study:
 
     lighting: Literal["day", "night", "both"] = "both"
     """Lighting: day (sun and sky), night (street lamps and headlights), or both in turn."""
-    omegas: tuple[float, ...] = ()
-    """Angular velocities at closest approach [rad/s]. Default: the paper's for the lighting."""
+    omegas: Annotated[
+        tuple[float, ...],
+        tyro.conf.arg(help_behavior_hint="(default: the paper's four of each lighting)"),
+    ] = ()
+    """Angular velocities at closest approach, 0.05 to 10 [rad/s]."""
     methods: MethodNames = METHODS
     seeds: int = SEEDS
-    """Number of sensors that see each crossing, from 1 to 100. Their seeds count from 0."""
+    """Number of simulated sensors that see each crossing, 1 to 100, with seeds from 0."""
     contrast_hop_ms: Annotated[float, tyro.conf.arg(help=_HOP_HELP)] = CONTRAST_HOP_US / 1e3
     recordings: bool = True
     """Write a Rerun recording of each crossing, with the sensor of the first seed."""
     step_px: float = CrossingConfig.step_px
-    """Largest motion of anything in the image between two samples [px]."""
+    """Largest motion in the image between two luminance samples, 0.05 to 8 [px]."""
     supersample: int = CrossingConfig.supersample
-    """Rendered points per pixel along each axis."""
+    """Sub-pixels per pixel along each axis that are rendered, 1 to 8."""
     jobs: int = ONE_PER_CORE
     """Number of parallel processes; -1: one for each core."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("logs/study")
-    """Output folder. Replaces an earlier output of flybench."""
+    """Folder to write; an earlier result in it is replaced."""
     cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def tasks(self) -> list[SequenceTask]:

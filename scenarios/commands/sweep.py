@@ -38,7 +38,7 @@ class Sweep:
         tyro.conf.Positional[Path | None],
         tyro.conf.arg(metavar="FILE.toml", help_behavior_hint=""),
     ] = None
-    """File that says what to vary. Examples are in scenarios/sweep/examples."""
+    """File with the parameters to vary. Examples are in scenarios/sweep/examples."""
     out: Annotated[
         Path | None,
         tyro.conf.arg(

@@ -48,11 +48,12 @@ class VelocitySweep:
     """Direction in which the vehicle moves in the image."""
     method: MethodName = FLY
     seed: int = 0
-    """Seed of everything random; equal seeds give equal events."""
+    """Seed of the first sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal
+    events."""
     seeds: int = 1
     """Number of sensors per velocity, 1 to 100. Their seeds start at --seed."""
     step_px: float = CrossingConfig.step_px
-    """Greatest motion in the image between two samples [px], 0.05 to 8."""
+    """Largest motion in the image between two luminance samples, 0.05 to 8 [px]."""
     supersample: int = CrossingConfig.supersample
     """Rendered sub-pixels per pixel along each axis, 1 to 8."""
     out: Annotated[

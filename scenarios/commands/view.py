@@ -37,7 +37,7 @@ class View:
         tyro.conf.arg(
             metavar="PNG",
             help="Write a picture of the viewer to this file instead of opening a window; works "
-            "without a display. Of a study, it shows the first recording or that of --recording.",
+            "without a display. For a study, it shows the first recording, or that of --recording.",
             help_behavior_hint="(default: no picture)",
         ),
     ] = None

@@ -57,14 +57,14 @@ RENDERINGS = (REFERENCE, *FULL, *KEYFRAMES)
 BEFORE_CLOSEST_S = 0.06
 """The piece begins this long before closest approach, so that it is not symmetric."""
 COLUMNS = (
-    "drawing",
+    "rendering",
     "supersampling",
     "step_px",
     "keyframe_px",
-    "cpu_ms_a_sample",
-    "events",
-    *(f"found_within_{limit}us" for limit in WITHIN_US),
-    *(f"real_within_{limit}us" for limit in WITHIN_US),
+    "cpu_ms_per_sample",
+    "events_excess",
+    *(f"recall_within_{limit}us" for limit in WITHIN_US),
+    *(f"precision_within_{limit}us" for limit in WITHIN_US),
     "median_us",
 )
 """Columns of a row: the rendering, its cost, the excess of events, recall, precision and median."""

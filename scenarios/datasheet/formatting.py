@@ -56,8 +56,7 @@ def footnote(sheet: Datasheet) -> str:
         return ""
     return (
         f"{OTHER_SENSOR_MARK} published for another sensor than the one measured here. The "
-        "difference is one between two sensors, and says nothing about the accuracy of the "
-        "emulator."
+        "difference is between two sensors, and does not show the accuracy of the emulator."
     )
 
 

@@ -150,8 +150,8 @@ def _file_json(file: EventFile) -> dict[str, Any]:
         "format": file.format,
         "width": file.width,
         "height": file.height,
-        "size_from": file.size_from,
-        "header": file.header_facts,
+        "size_source": file.size_source,
+        "header": file.header_fields,
         "origin_us": file.origin_us,
         "events": found.events,
         "first_us": found.first_us,
@@ -167,7 +167,7 @@ def _file_rows(file: EventFile) -> list[tuple[str, str]]:
     found = file.statistics
     rows = [
         ("format", file.format),
-        ("sensor", f"{file.width} × {file.height} px, from {file.size_from}"),
+        ("sensor", f"{file.width} × {file.height} px, from {file.size_source}"),
         ("events", f"{found.events:,} in {found.span_us * 1e-6:,.3f} s"),
         ("time", f"{found.first_us * 1e-6:,.6f} s to {found.last_us * 1e-6:,.6f} s"),
         ("rate", f"{found.rate_hz * 1e-3:,.1f} kev/s"),
@@ -186,7 +186,7 @@ def _summary_table(
     table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
     for name, value in _file_rows(file):
         table.add_row(name, value)
-    for name, value in file.header_facts.items():
+    for name, value in file.header_fields.items():
         table.add_row(escape(f"header: {name}"), escape(value))
     table.add_section()
     table.add_row("method", escape(method))

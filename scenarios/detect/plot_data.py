@@ -11,7 +11,7 @@ import numpy.typing as npt
 from detector.estimate import MotionEstimate
 from emulator import ApsFrame
 from flybench.direction import Direction
-from flybench.events import Events, empty_events, joined
+from flybench.events import Events, concatenate_events, empty_events
 from scenarios.detect.run_detector import RecordingSlice
 
 SNAPSHOT_US = 20_000
@@ -91,7 +91,7 @@ class PlotData:
         self.rate_us.append(last_us)
         self.on.append(on)
         self.off.append(events.size - on)
-        recent = joined([self._recent, events])
+        recent = concatenate_events([self._recent, events])
         # Keep twice the duration: an estimate refers to a time before the events that triggered it.
         self._recent = recent[recent["t"] > last_us - 2 * SNAPSHOT_US]
         if self._strongest == 0.0:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.metrics import Box
-from flybench.events import Events, joined
+from flybench.events import Events, concatenate_events
 from scenarios.envelope.noise import merge_streams, poisson_noise
 from scenarios.envelope.pixels import PixelArray
 from scenarios.envelope.scene import Scene, make_scene
@@ -61,7 +61,7 @@ class DrawnStimulus:
 
 
 def draw_stimulus(stimulus: Stimulus) -> DrawnStimulus:
-    """Draw a stimulus; equal stimuli give the same events, bit for bit."""
+    """Generate the events of a stimulus; equal stimuli give the same events, bit for bit."""
     scene = make_scene(stimulus)
     noise = poisson_noise(
         stimulus.noise_hz,
@@ -70,7 +70,7 @@ def draw_stimulus(stimulus: Stimulus) -> DrawnStimulus:
         duration_us=scene.duration_us,
         rng=np.random.default_rng((stimulus.seed, 2)),
     )
-    signal = joined(list(_signal_events(scene)))
+    signal = concatenate_events(list(_signal_events(scene)))
     events = merge_streams(signal, noise)
     return DrawnStimulus(stimulus, scene, events, _in_view_us(scene))
 
@@ -99,7 +99,7 @@ def _signal_events(scene: Scene) -> Iterator[Events]:
             )
             for region in _changed_regions(scene, corners[n], corners[n + 1])
         ]
-        events = joined(parts)
+        events = concatenate_events(parts)
         yield events[np.argsort(events["t"], kind="stable")]
 
 

@@ -37,7 +37,7 @@ class Grid:
         levels: levels of the other factors, by name of the `Stimulus` field.
         crossed: factors whose levels are measured at every speed and noise. The levels of the
             other factors are measured at every speed, with the noise of the base point.
-        seeds: number of drawings of each point, with seeds from 0.
+        seeds: number of repetitions of each point, with the seeds 0, 1, 2 and so on.
 
     Raises:
         ScenarioError: a factor is unknown, a factor has no level, a value is invalid for a

@@ -188,7 +188,7 @@ def _footnote(figure: Figure, rows: Sequence[Row]) -> None:
     text = (
         "Share of the 10 ms steps at least 100 ms after the target came into view (a slow target "
         "is in view from the start). Each cell is the mean of "
-        f"{seeds} drawing{'s' if seeds > 1 else ''}; a cell without a number has no errors. "
+        f"{seeds} repetition{'s' if seeds > 1 else ''}; a cell without a number has no errors. "
         f"Orange: at least {100 * MIN_CORRECT:.0f} % correct. Grey bar: the paper's speeds. "
         f"Other factors: {BASE.length_px}×{BASE.height_px} px, contrast {BASE.contrast:g}, "
         f"{BASE.surface}, {BASE.direction}, {BASE.noise_hz:g} Hz, background {BASE.background}."

@@ -1,4 +1,4 @@
-"""Event pixels that watch the drawn scene: compositing of layers and threshold crossings."""
+"""Event pixels that observe the synthetic scene: compositing of layers, and threshold crossings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ F64 = npt.NDArray[np.float64]
 _SENSOR = SensorConfig()
 THETA_ON, THETA_OFF = _SENSOR.theta_on, _SENSOR.theta_off
 THETA_MISMATCH = _SENSOR.theta_mismatch
-"""The emulator's thresholds [ln luminance]; nothing else of its pixel model is used here."""
+"""The thresholds of the emulator [ln luminance]; this module uses nothing else of its pixel
+model."""
 _MIN_THETA = 0.02
 """Lowest threshold of any pixel."""
 

@@ -24,8 +24,8 @@ F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
 LEAD_S = 0.2
-"""Duration of the stream before the crossing, or before the part of it that is drawn (assumed: a
-detector with a memory of 100 ms has settled by then). If the whole crossing is drawn, the target
+"""Duration of the stream before the crossing, or before the part of it that is generated (assumed:
+a detector with a memory of 100 ms has settled by then). If the whole crossing is drawn, the target
 enters the image at the end of the lead; otherwise it enters earlier. It is in view from the start
 if the crossing takes longer than MAX_CROSSING_S + 2 LEAD_S: at the base point, for horizontal
 motion below 245 px/s."""

@@ -47,7 +47,7 @@ _ENUMERATIONS: dict[str, type[StrEnum]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stimulus:
-    """Parameters of a drawn stimulus and of the noise of the pixels.
+    """Parameters of a synthetic stimulus and of the noise of the pixels.
 
     The defaults are the base point of the envelope, from which one factor at a time is changed.
 

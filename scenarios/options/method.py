@@ -8,7 +8,7 @@ import tyro
 
 from scenarios.pipeline.registry import DETECTORS
 
-ALLOWED_METHODS = f"{', '.join(DETECTORS)}, or a class of your own as package.module:Class"
+ALLOWED_METHODS = f"{', '.join(DETECTORS)}, or your own class, as package.module:Class"
 """Names that `--method` takes, for the help."""
 
 MethodName = Annotated[
@@ -33,4 +33,4 @@ RepeatedMethod = Annotated[
     ),
     tyro.conf.UseAppendAction,
 ]
-"""One detector or more, each after an option of its own."""
+"""One or more detectors, each given by a separate option."""

@@ -25,6 +25,6 @@ def check_repetition(arguments: Sequence[str], *, also_repeatable: Collection[st
     for option, count in Counter(options).items():
         if option != "--" and count > 1 and option not in REPEATABLE.union(also_repeatable):
             raise ScenarioError(
-                f"{option} is given {count} times. Allowed is once. If it takes several values, "
-                "give them after one another."
+                f"{option} is given {count} times. Allowed is one occurrence. If it takes several "
+                "values, give them after one another."
             )

@@ -10,7 +10,7 @@ from emulator import EventSensor
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import add_truth, make_detector
-from scenarios.pipeline.scoring import Track
+from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.summary import EventTally
 from sim import Sample
 
@@ -32,7 +32,7 @@ def run_side_by_side(
     configs: Sequence[RunConfig],
     samples: Iterable[Sample],
     progress: Callable[[int], None] = lambda _t_us: None,
-) -> tuple[list[RunResult], Track]:
+) -> tuple[list[RunResult], TargetTrack]:
     """Show the same luminance to the sensor and detector of every run, side by side.
 
     Only one sample is held in memory at a time, so that samples may come from the renderer, from
@@ -50,7 +50,7 @@ def run_side_by_side(
     tallies = {key: EventTally() for key in sensors}
     results = [RunResult(tallies[c.sensor, c.seed]) for c in configs]
     detectors = [make_detector(config) for config in configs]
-    track = Track()
+    track = TargetTrack()
     for sample in samples:
         add_truth(track, sample.truth)
         outputs = {
@@ -77,7 +77,7 @@ def run_repeats(
     samples: Iterable[Sample],
     seeds: Sequence[int],
     progress: Callable[[int], None] = lambda _t_us: None,
-) -> tuple[list[list[MotionEstimate]], Track]:
+) -> tuple[list[list[MotionEstimate]], TargetTrack]:
     """Show the same luminance to one sensor and detector per seed; see `run_side_by_side`.
 
     Args:

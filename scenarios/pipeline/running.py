@@ -12,7 +12,7 @@ from detector.fly.detector import FlyDetector
 from emulator import EventSensor, SensorOutput
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.scoring import Track
+from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.user_detectors import find_method
 from sim import Crossing, GroundTruth, Intrinsics, LuminanceCache, Sample
 
@@ -80,7 +80,7 @@ def make_detector(config: RunConfig) -> Detector:
     return find_method(config.method).make(**size)
 
 
-def add_truth(track: Track, truth: GroundTruth) -> None:
+def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
     """Add the target's position in a sample to a track."""
     centroid = truth.centroid_px
     point = None if centroid is None else (float(centroid[0]), float(centroid[1]))

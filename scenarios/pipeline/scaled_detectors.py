@@ -1,8 +1,8 @@
 """Scale the parameters of a detector to another sensor size or speed of motion.
 
-Parameters are made for a DAVIS346. Lengths in the image grow with the sensor's width: cells, all
-distances counted in cells, and regions. Lengths on the chip stay as they are, such as the
-neighbourhood in which a plane is fitted to an edge.
+The parameters of the detectors are those for a DAVIS346. Lengths in the image grow with the
+sensor's width: cells, all distances counted in cells, and regions. Lengths on the chip stay as they
+are, such as the neighbourhood in which a plane is fitted to an edge.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _MAX_SCALE = 1000.0
 _IMAGE_LENGTHS_PX = ("cell_px", "roi_radius_px")
 _SPEEDS_PX_S = ("limit_px_s",)
 _HOP = "hop_us"
-"""Parameter that other times are multiples of."""
+"""Name of the parameter of which other times are multiples."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,8 @@ from detector.metrics import (
 from flybench.direction import Direction
 
 SETTLING_US = 100_000
-"""Time in view after which a detector should have found the direction: two of the paper's Δt."""
+"""Time in view after which a detector should have found the direction [µs]: twice the paper's
+Δt."""
 
 
 class Target(Protocol):
@@ -39,7 +40,7 @@ class Target(Protocol):
 
 
 @dataclass
-class Track:
+class TargetTrack:
     """A `Target` that is known at samples; each sample holds until the next one."""
 
     _times_us: list[int] = field(default_factory=list)

@@ -17,7 +17,7 @@ from flybench.events import Cause
 from scenarios.output.atomic_folder import GENERATOR
 from scenarios.pipeline.registry import is_fly
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from sim import Crossing
 from sim.render.vulkan import vulkan_devices
 
@@ -58,7 +58,7 @@ def summarise(
     crossing: Crossing,
     tally: EventTally,
     estimates: Sequence[MotionEstimate],
-    track: Track,
+    track: TargetTrack,
 ) -> dict[str, Any]:
     """Return everything about a run that is not an array, ready for JSON, except its wall time.
 

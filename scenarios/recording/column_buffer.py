@@ -1,4 +1,4 @@
-"""Buffer for small values that change over time, written as one column per entity."""
+"""Buffer of values that change over time; it writes one column per entity."""
 
 from __future__ import annotations
 

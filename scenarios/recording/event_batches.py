@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from flybench.events import Cause, Events, joined
+from flybench.events import Cause, Events, concatenate_events
 
 BATCH_US = 1_000
 """Duration of a row; one row per event would take five times the space and time (measured)."""
@@ -115,7 +115,7 @@ class EventBuffer:
 
     def _take(self, *, keep_last: bool) -> EventBatches | None:
         """Remove and return events; the last millisecond may be incomplete and stay."""
-        events, causes = joined(self._events), np.concatenate(self._causes)
+        events, causes = concatenate_events(self._events), np.concatenate(self._causes)
         last_us = int(events["t"][-1])
         until = events.size
         if keep_last:

@@ -1,4 +1,4 @@
-"""Record a sequence sample by sample: all events, and previews and truth at lower rates."""
+"""Recording of a sequence: all events, and previews and ground truth at lower rates."""
 
 from __future__ import annotations
 

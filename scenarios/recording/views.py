@@ -64,11 +64,11 @@ def image_bounds(options: ViewOptions) -> rrb.VisualBounds2D:
 
 
 def scene_view() -> rrb.Spatial3DView:
-    """Return the 3-D view of street, vehicle and camera."""
+    """Return the 3-D view of the street, all moving objects and the camera."""
     return rrb.Spatial3DView(
         name="Scene",
         origin=at.WORLD,
-        contents=[at.STREET, f"{at.WORLD}/vehicle/**", at.CAMERA, at.APS],
+        contents=[f"{at.WORLD}/**", f"- {at.CAMERA}/**", at.CAMERA, at.APS],
         background=BACKDROP_RGB,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(position=EYE_M, look_target=LOOK_AT_M, eye_up=(0, 0, 1)),

@@ -36,7 +36,7 @@ from scenarios.pipeline.running import (
     make_detector,
     run_steps,
 )
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import EventTally, summarise
 from scenarios.recording import SequenceRecorder
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
@@ -48,7 +48,7 @@ EventsFormat = Literal["aedat4", "evt3", "text", "csv", "npz"]
 """Formats of further event files, besides DSEC's HDF5; see `formats.WRITERS`."""
 
 
-def run_sequence(
+def record_run(
     config: RunConfig,
     folder: Path,
     progress: Progress = lambda _done, _all: None,
@@ -100,7 +100,7 @@ def _run_into(
     events_formats: Sequence[EventsFormat],
 ) -> Any:
     detector, crossing = make_detector(config), make_crossing(config, cache)
-    tally, track = EventTally(), Track()
+    tally, track = EventTally(), TargetTrack()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     with ExitStack() as stack:
@@ -189,7 +189,7 @@ def _log_estimates(
 
 
 def _extra_scores(
-    config: RunConfig, extra: Sequence[ExtraDetector], track: Track
+    config: RunConfig, extra: Sequence[ExtraDetector], track: TargetTrack
 ) -> list[dict[str, Any]]:
     return [
         {"method": other.method}

@@ -15,7 +15,7 @@ from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.pipeline.registry import gives_velocity
 from scenarios.pipeline.running import add_truth
-from scenarios.pipeline.scoring import SETTLING_US, Track, score_estimates
+from scenarios.pipeline.scoring import SETTLING_US, TargetTrack, score_estimates
 from scenarios.recording import SequenceRecorder
 from scenarios.study.results import MethodRun, SequenceResult
 from scenarios.study.snapshots import SnapshotCollector
@@ -51,7 +51,7 @@ class SequenceEvaluation:
         self._sensors = {seed: EventSensor(sensor, seed=seed) for seed in detectors}
         self._first_seed = next(iter(detectors))
         self._samples: list[Sample] = []
-        self._track, self._snapshots = Track(), SnapshotCollector()
+        self._track, self._snapshots = TargetTrack(), SnapshotCollector()
         self._velocity: list[tuple[int, float]] = []
         self._due_us = CHUNK_US
 

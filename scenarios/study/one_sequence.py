@@ -70,7 +70,7 @@ class SequenceTask:
         ]
 
 
-def run_sequence(
+def evaluate_crossing(
     task: SequenceTask, progress: Progress = lambda _done, _all: None
 ) -> SequenceResult:
     """Run one sequence.

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from scenarios.pipeline.parallel import run_locally
-from scenarios.study.one_sequence import SequenceTask, run_sequence
+from scenarios.study.one_sequence import SequenceTask, evaluate_crossing
 from scenarios.study.results import SequenceResult
 from scenarios.study.shared_progress import SharedProgress
 from sim import Lighting
@@ -72,4 +72,4 @@ class _NumberedTask:
 def _run(numbered: _NumberedTask) -> SequenceResult:
     if not numbered.is_alone:  # the other cores render other sequences
         os.environ.setdefault(_LAVAPIPE_THREADS, "1")
-    return run_sequence(numbered.task, partial(numbered.shared.report, numbered.number))
+    return evaluate_crossing(numbered.task, partial(numbered.shared.report, numbered.number))

@@ -12,7 +12,7 @@ import numpy as np
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyMaps
 from emulator import ApsFrame, SensorOutput
-from flybench.events import EVENT_DTYPE, Events, joined
+from flybench.events import EVENT_DTYPE, Events, concatenate_events
 from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.registry import CONTRAST, DETECTORS
 from scenarios.pipeline.user_detectors import find_method
@@ -31,7 +31,7 @@ _WARM_UP_PX_S = 400.0
 def join_outputs(outputs: Sequence[SensorOutput]) -> tuple[Events, list[ApsFrame]]:
     """Return the events and the frames of several sensor steps, in order."""
     frames = [frame for output in outputs for frame in output.aps_frames]
-    return joined([output.events for output in outputs]), frames
+    return concatenate_events([output.events for output in outputs]), frames
 
 
 @dataclass

@@ -17,7 +17,7 @@ from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.repeats import RunResult, run_side_by_side
 from scenarios.pipeline.run_config import RunConfig, flatten
 from scenarios.pipeline.running import make_crossing
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import truth_summary
 from scenarios.sweep.point_key import code_digest
 from sim import Crossing, RendererError
@@ -126,7 +126,7 @@ def _run_and_score(configs: Sequence[RunConfig], cache: CacheOptions) -> Iterabl
     )
 
 
-def _results(config: RunConfig, crossing: Crossing, run: RunResult, track: Track) -> Results:
+def _results(config: RunConfig, crossing: Crossing, run: RunResult, track: TargetTrack) -> Results:
     direction, in_view_us = config.crossing.direction, track.in_view_us
     return dict(
         flatten(

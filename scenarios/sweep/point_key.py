@@ -8,7 +8,7 @@ import json
 from functools import cache
 from pathlib import Path
 
-from flybench.sources import SWEEP_POINT, feed, sources_digest
+from flybench.sources import SWEEP_POINT_SOURCES, add_file, sources_digest
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.summary import versions
 
@@ -17,7 +17,7 @@ from scenarios.pipeline.summary import versions
 def code_digest() -> str:
     """Return a digest of this process's versions and of the sources that determine a result."""
     digest = hashlib.sha256(json.dumps(versions(), sort_keys=True).encode())
-    digest.update(sources_digest(*SWEEP_POINT).encode())
+    digest.update(sources_digest(*SWEEP_POINT_SOURCES).encode())
     return digest.hexdigest()
 
 
@@ -40,5 +40,5 @@ def _method_digest(method: str) -> str:
     spec = importlib.util.find_spec(module)
     digest = hashlib.sha256()
     if spec is not None and spec.origin is not None and Path(spec.origin).is_file():
-        feed(digest, Path(spec.origin).name, Path(spec.origin).read_bytes())
+        add_file(digest, Path(spec.origin).name, Path(spec.origin).read_bytes())
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""GRMS against angular velocity: does the response increase with speed (paper, figure 5 B)?"""
+"""GRMS against angular velocity: rank correlation and figure (paper, Fig. EX3 B)."""
 
 from __future__ import annotations
 

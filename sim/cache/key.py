@@ -13,7 +13,7 @@ import mujoco
 import numba
 import numpy as np
 
-from flybench.sources import LUMINANCE, sources_digest
+from flybench.sources import LUMINANCE_SOURCES, sources_digest
 from sim.config import CrossingConfig
 from sim.geometry.pinhole import Intrinsics
 from sim.render.vulkan import vulkan_devices
@@ -25,9 +25,9 @@ def luminance_key(
     """Return the key of a sequence: a digest of everything that determines its luminance.
 
     The digest covers the configuration, the compiled scene (and so all its assets), the lens, the
-    sample times, the sources of `sim` and `flybench` as they were when first asked for, the
-    versions of the libraries that compute luminance, the machine's architecture, and its Vulkan
-    devices with their drivers.
+    sample times, the sources of `sim` and `flybench` as they were when the digest was first
+    computed, the versions of the libraries that compute luminance, the machine's architecture, and
+    its Vulkan devices with their drivers.
 
     Args:
         config: configuration of the crossing.
@@ -41,7 +41,7 @@ def luminance_key(
     determinants = {
         "config": config.resolved(),
         "lens": asdict(lens),
-        "sources": sources_digest(*LUMINANCE),
+        "sources": sources_digest(*LUMINANCE_SOURCES),
         "libraries": [library.__version__ for library in (mujoco, np, numba, cv2)],
         "machine": platform.machine(),
         "devices": [asdict(device) for device in vulkan_devices()],

@@ -1,9 +1,10 @@
 """Folder that caches rendered luminance, so that a sweep over sensors renders each sequence once.
 
 An entry is written under a temporary name while it is rendered, and renamed when it is complete.
-Its writer holds a lock on it. The lock ends with the writer, which shows that an entry was
-abandoned. A reader keeps the file open, so that others may delete or replace it meanwhile. A
-damaged entry is deleted and the rest of the sequence is rendered. No failure of the cache ends a
+Its writer holds a lock on it, which is released when the writer ends. A partial entry without a
+lock was therefore abandoned. A reader keeps the file open, so that others may delete or replace it
+meanwhile. A damaged entry is deleted and the rest of the sequence is rendered. No failure of the
+cache ends a
 run: the run then goes on without the cache.
 """
 
@@ -41,8 +42,8 @@ LuminanceStream = Generator[LuminanceSample, None, None]
 class LuminanceCache:
     """Cache of rendered luminance. Not thread-safe; any number of processes may share a folder.
 
-    The entries used longest ago are deleted when the folder becomes too large. Files in the folder
-    that are not cache entries are left alone.
+    The least recently used entries are deleted when the folder becomes too large. Files in the
+    folder that are not cache entries are left alone.
 
     Attributes:
         folder: folder of the entries; created when the first one is written.

@@ -1,1 +1,1 @@
-"""Geometry without a renderer: cameras, rigid transforms, triangles and image rectangles."""
+"""Geometry without a renderer: the pinhole camera, rigid transforms and image rectangles."""

@@ -31,7 +31,7 @@ class Intrinsics:
     height: int = 260
     focal_px: float = 6.0e-3 / 18.5e-6
 
-    def grown(self, margin_px: int) -> Intrinsics:
+    def with_margin(self, margin_px: int) -> Intrinsics:
         """Return this lens with a sensor that is larger by a margin on all sides [px]."""
         return Intrinsics(self.width + 2 * margin_px, self.height + 2 * margin_px, self.focal_px)
 
@@ -70,7 +70,7 @@ class Pose:
         return np.cross(self.up, self.right)
 
     @cached_property
-    def into(self) -> Vectors:
+    def world_to_camera(self) -> Vectors:
         """(3, 4) rigid transform from the world to the camera's frame (right, down, forward)."""
         axes = np.stack([self.right, -self.up, self.forward])
         return np.column_stack([axes, -axes @ self.position_m])
@@ -82,7 +82,7 @@ class Pose:
         return Pose(self.position_m, right, cosine * self.up + sine * self.right)
 
 
-class Eye(NamedTuple):
+class Projection(NamedTuple):
     """Focal length and principal point of a camera, for kernels [px]."""
 
     focal: float

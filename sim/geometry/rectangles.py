@@ -1,4 +1,4 @@
-"""Rectangles of pixels: around points, joined, and merged."""
+"""Rectangles of pixels: around points, around other rectangles, and without overlap."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def rectangle_around(low: Point, high: Point, lens: Intrinsics) -> Rectangle | N
     return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None
 
 
-def whole(lens: Intrinsics) -> Rectangle:
+def image_rectangle(lens: Intrinsics) -> Rectangle:
     """Return the rectangle of the whole image."""
     return 0, 0, lens.width, lens.height
 
 
-def points_rectangle(points_m: F64, pose: Pose, lens: Intrinsics) -> Rectangle | None:
+def rectangle_of_points(points_m: F64, pose: Pose, lens: Intrinsics) -> Rectangle | None:
     """Return the rectangle that holds the convex hull of (n, 3) world points [m]."""
-    return _around(*_span(points_m, pose.into, lens.focal_px), lens)
+    return _around(*_span(points_m, pose.world_to_camera, lens.focal_px), lens)
 
 
 def _around(
@@ -49,12 +49,12 @@ def _around(
 ) -> Rectangle | None:
     """Return the rectangle around the result of `_span`."""
     if behind:
-        return whole(lens) if low_x <= high_x else None
+        return image_rectangle(lens) if low_x <= high_x else None
     x, y = lens.width / 2, lens.height / 2
     return rectangle_around((x + low_x, y + low_y), (x + high_x, y + high_y), lens)
 
 
-def hull(rectangles: list[Rectangle]) -> Rectangle:
+def enclosing_rectangle(rectangles: list[Rectangle]) -> Rectangle:
     """Return the smallest rectangle that holds all; an empty one if there are none."""
     if not rectangles:
         return 0, 0, 0, 0
@@ -62,14 +62,14 @@ def hull(rectangles: list[Rectangle]) -> Rectangle:
     return min(x0), min(y0), max(x1), max(y1)
 
 
-def merged(rectangles: list[Rectangle]) -> list[Rectangle]:
+def merge_overlapping(rectangles: list[Rectangle]) -> list[Rectangle]:
     """Join overlapping rectangles until none overlap."""
     apart: list[Rectangle] = []
     for rectangle in rectangles:
         grown = rectangle
         while hit := next((w for w in apart if _overlap(w, grown)), None):
             apart.remove(hit)
-            grown = hull([hit, grown])
+            grown = enclosing_rectangle([hit, grown])
         apart.append(grown)
     return apart
 

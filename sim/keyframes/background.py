@@ -1,10 +1,10 @@
 """The static background, split into layers by light, so that it is rendered only once.
 
 Light is additive: the luminance that the camera sees is the sum of the contributions of all lights.
-The background is therefore rendered once with all lights, once without those that cast shadows, and
-once with each of these alone. A shadow of a moving object then dims the layer of its own light
-only. The layer that remains without these lights is rendered by itself: as a difference of two
-images it would contain the renderer's rounding errors.
+The background is therefore rendered once with all lights, once without the lights that cast
+shadows, and once with each of these lights alone. A shadow of a moving object then dims the layer
+of its own light only. The layer that remains without these lights is rendered by itself: as a
+difference of two images it would contain the renderer's rounding errors.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ FAR_NEARNESS = 1e-6
 class Background(NamedTuple):
     """The static background, as layers of light and geometry.
 
-    Layer 0 is the steady light. One layer follows for each light that casts shadows: what it adds
-    where nothing blocks it. The last layer is that of the flickering lamps, if there are any.
+    Layer 0 is the luminance from all lights that neither cast shadows of moving objects nor
+    flicker. Then follows one layer for each light that casts shadows: the luminance that it adds if
+    no moving object blocks it. The last layer is that of the flickering lamps, if there are any.
 
     Attributes:
         pixels: (layers, height, width) float32 luminance [cd/m²].
@@ -190,7 +191,7 @@ def _geometry(
 ) -> tuple[F32, F32, F32]:
     """Return the sub-pixels' nearness, and the pixel centres' depth and normals."""
     nearness = background_nearness(lens, data, pose, soup, supersample)
-    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.world_to_camera))
     centre_nearness, label = rasterise_image(in_camera, lens, 1)
     normals = np.concatenate([unit_normals(in_camera), np.zeros((1, 3))])[label]
     depth = np.asarray(1 / np.maximum(centre_nearness, np.float32(FAR_NEARNESS)), np.float32)
@@ -212,7 +213,7 @@ def background_nearness(
     Returns:
         (rows, columns) float32 [1/m].
     """
-    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    in_camera = soup.transformed(compose_transforms(body_poses(data), pose.world_to_camera))
     nearness, _ = rasterise_image(in_camera, lens, supersample)
     return np.maximum(nearness, np.float32(FAR_NEARNESS))
 

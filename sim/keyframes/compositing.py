@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Eye
+from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
 from sim.keyframes.pixel_centre_shading import shade_pixel_centres
@@ -31,7 +31,7 @@ def composite(
     background: Background,
     effects: ShadowsAndBeams,
     surfaces: Surfaces,
-    eye: Eye,
+    projection: Projection,
     label: I32,
     nearness: F32,
     weights: F32,
@@ -44,7 +44,7 @@ def composite(
         background: the static background.
         effects: shadows and beams at this time.
         surfaces: surfaces of the moving parts.
-        eye: projection of the camera.
+        projection: projection of the camera.
         label: (rows, columns) int32, moving part at each sub-pixel of the rectangle; -1 for the
             background.
         nearness: (rows, columns) float32 nearness of the moving part at each sub-pixel [1/m].
@@ -53,17 +53,17 @@ def composite(
     """
     supersample = len(weights) // 3
     pixel_label = pixel_labels(label, supersample)
-    lit, lux = shade_pixel_centres(background, effects, eye, rectangle, pixel_label)
+    lit, lux = shade_pixel_centres(background, effects, projection, rectangle, pixel_label)
     marked = mark_edges(pixel_label, lux)
     subpixels = shade_subpixels(
-        background, effects, eye, rectangle, supersample, label, lit, lux, marked
+        background, effects, projection, rectangle, supersample, label, lit, lux, marked
     )
     _fill_uniform_pixels(
         image,
         background,
         effects.gains,
         surfaces,
-        eye,
+        projection,
         rectangle,
         supersample,
         pixel_label,
@@ -71,7 +71,9 @@ def composite(
         nearness,
         marked,
     )
-    _blend_edge_pixels(image, surfaces, eye, rectangle, weights, label, nearness, subpixels, marked)
+    _blend_edge_pixels(
+        image, surfaces, projection, rectangle, weights, label, nearness, subpixels, marked
+    )
 
 
 @compiled
@@ -80,7 +82,7 @@ def _fill_uniform_pixels(
     background: Background,
     gains: F64,
     surfaces: Surfaces,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     supersample: int,
     pixel_label: I32,
@@ -105,7 +107,7 @@ def _fill_uniform_pixels(
             else:
                 depth = 1.0 / nearness[row * supersample + centre, column * supersample + centre]
                 value = surface_luminance(
-                    surfaces, eye, part, u + 0.5 + off, v + 0.5 + off, depth, off, off
+                    surfaces, projection, part, u + 0.5 + off, v + 0.5 + off, depth, off, off
                 )
             image[v, u] = value
 
@@ -114,7 +116,7 @@ def _fill_uniform_pixels(
 def _blend_edge_pixels(
     image: F32,
     surfaces: Surfaces,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     weights: F32,
     label: I32,
@@ -165,7 +167,7 @@ def _blend_edge_pixels(
                 u, v = x0 + (j + 0.5) / size, y0 + (i + 0.5) / size
                 off_u, off_v = u - (x0 + column + 0.5), v - (y0 + row + 0.5)
                 luminance = surface_luminance(
-                    surfaces, eye, part, u, v, 1.0 / nearness[i, j], off_u, off_v
+                    surfaces, projection, part, u, v, 1.0 / nearness[i, j], off_u, off_v
                 )
                 value += coverage[part] * luminance
                 coverage[part], nearest[part] = 0.0, np.inf

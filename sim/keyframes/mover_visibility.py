@@ -100,7 +100,7 @@ class MoverRaster:
         Returns:
             (n, 3, 3) triangles on the sub-pixel grid; and (n,) the part of each.
         """
-        in_camera = self.movers.transformed(compose_transforms(poses, self.pose.into))
+        in_camera = self.movers.transformed(compose_transforms(poses, self.pose.world_to_camera))
         size = self.supersample
         centre = self.lens.width * size / 2, self.lens.height * size / 2
         projected, source = project_triangles(in_camera, self.lens.focal_px * size, *centre, NEAR_M)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Eye
+from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
 from sim.keyframes.pixel_labels import EDGE
@@ -21,7 +21,7 @@ I32 = npt.NDArray[np.int32]
 def shade_pixel_centres(
     background: Background,
     effects: ShadowsAndBeams,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     pixel_label: I32,
 ) -> tuple[F32, F32]:
@@ -30,7 +30,7 @@ def shade_pixel_centres(
     Args:
         background: the static background.
         effects: shadows and beams at this time.
-        eye: projection of the camera.
+        projection: projection of the camera.
         rectangle: x0, y0, x1, y1 [px].
         pixel_label: (height, width) labels of the rectangle's pixels; shadows are added to them,
             see `_apply_shadow`.
@@ -44,10 +44,10 @@ def shade_pixel_centres(
     lit = np.ones((len(effects.gains) - 1, *pixel_label.shape), np.float32)
     for shadow in range(len(effects.light)):
         light_share = lit[effects.light[shadow]]
-        _apply_shadow(effects, shadow, eye, rectangle, depth, pixel_label, light_share)
+        _apply_shadow(effects, shadow, projection, rectangle, depth, pixel_label, light_share)
     lux = np.zeros(pixel_label.shape, np.float32)
     for beam in range(len(effects.beams)):
-        _add_beam(effects, beam, background.normals, eye, rectangle, depth, pixel_label, lux)
+        _add_beam(effects, beam, background.normals, projection, rectangle, depth, pixel_label, lux)
     return lit, lux
 
 
@@ -55,7 +55,7 @@ def shade_pixel_centres(
 def _apply_shadow(
     effects: ShadowsAndBeams,
     shadow: int,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     depth: F32,
     pixel_label: I32,
@@ -66,7 +66,7 @@ def _apply_shadow(
     Args:
         effects: shadows and beams at this time.
         shadow: index of the shadow.
-        eye: projection of the camera.
+        projection: projection of the camera.
         rectangle: x0, y0, x1, y1 [px].
         depth: (height, width) depth of the background [m].
         pixel_label: (height, width) labels, changed: a body if not negative. Negative labels are
@@ -74,7 +74,7 @@ def _apply_shadow(
             complete. A partial shadow gives `EDGE`.
         lit: (height, width) float32, share of the light that arrives; multiplied.
     """
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     maps, sizes, is_sun, view = effects.maps, effects.sizes, effects.is_sun, effects.views[shadow]
     u_right, v_right, w_right = view[0, 0] / focal, view[1, 0] / focal, view[2, 0] / focal
     x0, y0, x1, y1 = rectangle
@@ -105,14 +105,14 @@ def _add_beam(
     effects: ShadowsAndBeams,
     beam: int,
     normals: F32,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     depth: F32,
     pixel_label: I32,
     lux: F32,
 ) -> None:
     """Add one beam's illuminance of the background at the pixel centres, in place [lux]."""
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     beams, range_m = effects.beams, effects.beam_range_m
     x0, y0, x1, y1 = rectangle
     areas = effects.beam_areas

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.geometry.pinhole import Intrinsics, project
-from sim.geometry.rectangles import Rectangle, merged
+from sim.geometry.rectangles import Rectangle, merge_overlapping
 from sim.scene.scene import Scene
 from sim.shadows.shadows_and_beams import AffectedAreaFinder
 
@@ -45,7 +45,7 @@ def plan_keyframes(
         place: moves `data` to a time [µs].
         data: poses of the model; changed.
         spacing_px: maximum displacement of an object from one keyframe to the next [px].
-        stride: the plan looks at every so many samples.
+        stride: only every `stride`-th sample is examined.
 
     Returns:
         Times of the keyframes [µs] by object name; and the areas that shadows and beams change at
@@ -57,7 +57,7 @@ def plan_keyframes(
     for k, t_us in enumerate(times):
         place(t_us)
         corners_m[:, k] = [obj.corners_m(data) for obj in scene.objects]
-        affected = merged(affected + finder.find(data).rectangles)
+        affected = merge_overlapping(affected + finder.find(data).rectangles)
     plan = {}
     for obj, corners in zip(scene.objects, corners_m, strict=True):
         pixels, depth = project(corners.reshape(-1, 3), scene.pose, lens)

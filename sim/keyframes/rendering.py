@@ -1,4 +1,4 @@
-"""Render a keyframe: an object as the renderer shows it, cut into its parts."""
+"""Renders keyframes: the luminance of one object at one time, cut into the object's parts."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class KeyframeRenderer:
         blur_px: float,
         per_pixel: int,
     ) -> None:
-        """Set what is rendered.
+        """Create a renderer of keyframes.
 
         Args:
             renderer: renderer of `model`.
@@ -81,7 +81,7 @@ class KeyframeRenderer:
         if rectangle is None:
             return Keyframe(t_us, {})
         label, image = self._unoccluded(obj, projected, part, rectangle)
-        body_views = compose_transforms(poses, self.raster.pose.into)
+        body_views = compose_transforms(poses, self.raster.pose.world_to_camera)
         views = {k: body_views[self.raster.parts.body[k]] for k in self.raster.parts_of(obj)}
         key = Keyframe(t_us, self._cut(image, label, views, rectangle))
         wheels = wheel_bodies(obj) if self._sky.size else []
@@ -201,7 +201,7 @@ class KeyframeRenderer:
 
 
 def without_flicker(patch: Patch, layers: int) -> Patch:
-    """Return a patch of so many layers to which flickering lamps add nothing."""
+    """Return a patch with `layers` layers in which the layer of the flickering lamps is 0."""
     luminance = np.zeros((layers, *patch.coverage.shape), np.float32)
     luminance[0] = patch.luminance[0]
     return replace(patch, luminance=luminance)

@@ -1,4 +1,4 @@
-"""Luminance at any time from few renderings: exact geometry, with surfaces from keyframes.
+"""Luminance at any time from exact geometry and a few rendered keyframes.
 
 The static background is rendered once, in layers of light (`sim.keyframes.background`). Moving
 objects are scan-converted exactly at every sample (`sim.keyframes.mover_visibility`). The luminance
@@ -19,8 +19,14 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.geometry.pinhole import Eye, Intrinsics
-from sim.geometry.rectangles import Rectangle, hull, merged, rectangle_around, whole
+from sim.geometry.pinhole import Intrinsics, Projection
+from sim.geometry.rectangles import (
+    Rectangle,
+    enclosing_rectangle,
+    image_rectangle,
+    merge_overlapping,
+    rectangle_around,
+)
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.keyframes.background import Background, background_nearness, render_background
 from sim.keyframes.compositing import composite
@@ -54,8 +60,9 @@ KEYFRAME_OVERSAMPLE = 2
 """Rendered samples per sub-pixel and axis in the keyframes of a steady camera. Without it, a line
 about as thin as a sub-pixel is too wide or missing as long as the keyframe is used (measured
 against 6×6 in 55 pieces: 86 % instead of 83 % match within 0.2 ms, and the error in the number of
-events is 1.4 % instead of 1.9 %). The keyframes of a shaking camera do without it: they contain no
-lens blur yet from which the blur of this mean and of interpolation could be subtracted."""
+events is 1.4 % instead of 1.9 %). The keyframes of a shaking camera are not oversampled: their lens
+blur is applied later, so that the blur of averaging and of interpolation cannot be subtracted from
+it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +165,7 @@ class Reprojection:
         luminance = rotated_image(sample.luminance, self._pose, self._wide, pose, self._lens)
         visible = visibility_map(self._static, poses, pose, self._lens)
         visible = visibility_map(self._movers, poses, pose, self._lens, visible)
-        return RenderedSample(luminance, visible, [whole(self._lens)])
+        return RenderedSample(luminance, visible, [image_rectangle(self._lens)])
 
     def _steady_sample(self, t_us: int, poses: F64) -> RenderedSample:
         """Return what the steady camera sees."""
@@ -167,16 +174,18 @@ class Reprojection:
         projected, part = self._raster.project(poses)
         affected = self._areas.find(self._data)
         objects = self._raster.rectangles(projected, part, self._scene.objects)
-        rectangles = merged([r for r in objects if r] + affected.rectangles)
+        rectangles = merge_overlapping([r for r in objects if r] + affected.rectangles)
         luminance, visible = self._static_image.copy(), self._static_visible
         if self._flickering is not None:
             luminance = np.tensordot(gains.astype(np.float32), self._background.pixels, axes=1)
         if rectangles:
             visible = VisibilityMap(visible.body.copy(), visible.nearness.copy())
             effects = self._effects.render(self._data, poses, affected, gains)
-            views = compose_transforms(poses, self._pose.into)
+            views = compose_transforms(poses, self._pose.world_to_camera)
             surfaces = self._keyframes.surfaces(t_us, views, flicker)
-            eye = Eye(self._wide.focal_px, self._wide.width / 2, self._wide.height / 2)
+            projection = Projection(
+                self._wide.focal_px, self._wide.width / 2, self._wide.height / 2
+            )
             for rectangle in rectangles:
                 label, nearness = self._raster.rasterise(
                     projected, part, rectangle, self._background.subpixel_nearness
@@ -186,7 +195,7 @@ class Reprojection:
                     self._background,
                     effects,
                     surfaces,
-                    eye,
+                    projection,
                     label,
                     nearness,
                     self._weights,
@@ -194,7 +203,7 @@ class Reprojection:
                 )
                 self._overlay(visible, label, nearness, rectangle)
         if self._flickering is not None:
-            rectangles = [whole(self._wide)]
+            rectangles = [image_rectangle(self._wide)]
         return RenderedSample(luminance, visible, rectangles)
 
     def _overlay(
@@ -236,7 +245,7 @@ class Reprojection:
         """Render the scene without its moving objects."""
         geoms = [int(g) for o in self._scene.objects for g in o.geoms]
         off = {int(k): 0.0 for k in self._areas.beams}
-        spare, span = math.ceil(2 * PLAN_STEP_PX), np.array(hull(affected))
+        spare, span = math.ceil(2 * PLAN_STEP_PX), np.array(enclosing_rectangle(affected))
         rectangle = rectangle_around(span[:2] - spare, span[2:] + spare, self._wide)
         with changed_lights(self._model, off), self._renderer.hidden(geoms):
             return render_background(

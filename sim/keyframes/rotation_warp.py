@@ -2,8 +2,8 @@
 
 Nothing is interpolated. Each pixel is the mean of the steady image's pixels (here called
 sub-pixels) around the point that it looks at, weighted with its aperture at their exact distances.
-This preserves the faint skirt of a bright edge, to which a dark pixel beside it responds because
-its response is logarithmic.
+This preserves the faint halo of a bright edge. It matters because a dark pixel beside the edge
+responds to the logarithm of its luminance.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def rotated_image(
     Returns:
         (lens.height, lens.width) float32.
     """
-    rotation = steady_pose.into[:, :3] @ pose.into[:, :3].T
+    rotation = steady_pose.world_to_camera[:, :3] @ pose.world_to_camera[:, :3].T
     back = _camera_matrix(steady_lens) @ rotation @ np.linalg.inv(_camera_matrix(lens))
     scale = steady_lens.focal_px / lens.focal_px
     out = np.empty((lens.height, lens.width), np.float32)

@@ -34,4 +34,4 @@ def steady_lens(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> Int
     corner = math.hypot(lens.width, lens.height) / 2 / lens.focal_px
     swing = math.tan(math.atan(corner) + angle) - corner
     margin_px = math.ceil(lens.focal_px * swing) + SHAKE_MARGIN_PX
-    return lens.grown(margin_px).scaled(SHAKE_SCALE)
+    return lens.with_margin(margin_px).scaled(SHAKE_SCALE)

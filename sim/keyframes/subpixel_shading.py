@@ -1,4 +1,4 @@
-"""Luminance of the background at sub-pixels, where a pixel is not evenly lit."""
+"""Luminance of the background at the sub-pixels of pixels that are not evenly lit."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Eye
+from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import transform_point
 from sim.keyframes.background import Background
@@ -23,7 +23,7 @@ Bools = npt.NDArray[np.bool_]
 def shade_subpixels(
     background: Background,
     effects: ShadowsAndBeams,
-    eye: Eye,
+    projection: Projection,
     rectangle: Rectangle,
     supersample: int,
     label: I32,
@@ -36,7 +36,7 @@ def shade_subpixels(
     Args:
         background: the static background.
         effects: shadows and beams at this time.
-        eye: projection of the camera.
+        projection: projection of the camera.
         rectangle: x0, y0, x1, y1 [px].
         supersample: sub-pixels per pixel and axis.
         label: (rows, columns) label of each of the rectangle's sub-pixels.
@@ -47,7 +47,7 @@ def shade_subpixels(
     Returns:
         (rows, columns) float32 [cd/m²]; 0 behind moving objects, and undefined elsewhere.
     """
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     nearness, normals, layers = (
         background.subpixel_nearness,
         background.normals,

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import inlined
-from sim.geometry.pinhole import Eye
+from sim.geometry.pinhole import Projection
 from sim.geometry.rigid_transform import transform_point
 
 F32 = npt.NDArray[np.float32]
@@ -52,7 +52,7 @@ class Surfaces(NamedTuple):
 @inlined
 def surface_luminance(
     surfaces: Surfaces,
-    eye: Eye,
+    projection: Projection,
     part: int,
     u: float,
     v: float,
@@ -64,7 +64,7 @@ def surface_luminance(
 
     Args:
         surfaces: surfaces of all parts.
-        eye: projection of the camera.
+        projection: projection of the camera.
         part: number of the part.
         u: column of a point of the part in the image [px].
         v: row of the point [px].
@@ -77,7 +77,7 @@ def surface_luminance(
         row = part + layer * (len(surfaces.means) // 2)
         if layer == 1 and surfaces.patches[row, 0, 3] + surfaces.patches[row, 1, 3] == 0:
             break
-        here = _interpolated(surfaces, eye, row, u, v, depth, off_u, off_v)
+        here = _interpolated(surfaces, projection, row, u, v, depth, off_u, off_v)
         value *= surfaces.means[row] if here < 0.0 else here
     return value
 
@@ -85,7 +85,7 @@ def surface_luminance(
 @inlined
 def _interpolated(
     surfaces: Surfaces,
-    eye: Eye,
+    projection: Projection,
     row: int,
     u: float,
     v: float,
@@ -99,7 +99,7 @@ def _interpolated(
         Luminance, albedo or illumination; negative if no keyframe shows the point.
     """
     luminance, coverage, patches, transforms, weights, _, per_pixel = surfaces
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     x, y = (u - centre_x) / focal * depth, (v - centre_y) / focal * depth
     total = weight = 0.0
     for key in range(2):

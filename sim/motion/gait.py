@@ -16,7 +16,7 @@ import numpy.typing as npt
 from sim.motion.paths import Path, UniformPath
 
 WALK_RATIO_M_S = 0.0065 * 60
-"""Walk ratio, step length over cadence [m / (steps/s)]: 6.5 mm per step a minute (assumed). Walkers
+"""Walk ratio, step length over cadence [m / (steps/s)]: 6.5 mm per (step/min) (assumed). Walkers
 keep it from 1 m/s upwards (Murakami and Otaka 2017); here it is kept below 1 m/s too."""
 LEG_M = 0.9
 """Length from hip to sole, as in `pedestrian.xml` [m]."""

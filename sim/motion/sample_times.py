@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 MIN_STEP_US = 10
-"""Shortest step [µs]; the sensor's 1 µs time stamps would be coarse below it (assumed)."""
+"""Shortest step [µs] (assumed): for shorter steps the 1 µs resolution of the sensor's time stamps
+would be too coarse."""
 
 
 def sample_times_us(

@@ -13,8 +13,8 @@ from enum import StrEnum
 from sim.errors import SceneConfigError
 
 MAX_BEARING_RAD = math.radians(80)
-"""Largest bearing: d·tan(ωt) grows without bound beyond it, and no lens here sees as far
-(assumed)."""
+"""Largest bearing: d·tan(ωt) grows without bound towards 90°, and no lens that is used here has
+such a wide view (assumed)."""
 
 
 class Profile(StrEnum):

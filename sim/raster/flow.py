@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Eye, Intrinsics
+from sim.geometry.pinhole import Intrinsics, Projection
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
 from sim.raster.visibility import VisibilityMap
 
@@ -96,8 +96,8 @@ def transforms_between(before: F64, after: F64) -> F64:
     return compose_transforms(inverse_transform(before), after)
 
 
-def _eye(lens: Intrinsics) -> Eye:
-    return Eye(lens.focal_px, lens.width / 2, lens.height / 2)
+def _eye(lens: Intrinsics) -> Projection:
+    return Projection(lens.focal_px, lens.width / 2, lens.height / 2)
 
 
 @compiled
@@ -120,20 +120,22 @@ def _apply(transforms: F64, k: int, x: float, y: float, near: float) -> tuple[fl
 
 
 @compiled
-def _per_pixel(body: I32, nearness: F32, transforms: F64, eye: Eye, rates: bool) -> F32:
+def _per_pixel(
+    body: I32, nearness: F32, transforms: F64, projection: Projection, rates: bool
+) -> F32:
     """Apply each pixel's body motion to the point at the pixel centre.
 
     Args:
         body: (height, width) body numbers. The sky is negative; it rotates as the world does.
         nearness: (height, width) [1/m].
         transforms: (bodies, 3, 4) from positions to velocities, or to later positions.
-        eye: projection of the camera.
+        projection: projection of the camera.
         rates: True if `transforms` gives velocities.
 
     Returns:
         (height, width, 2) float32, x and y.
     """
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     height, width = body.shape
     out = np.empty((height, width, 2), np.float32)
     for row in range(height):

@@ -1,4 +1,4 @@
-"""The triangles of a MuJoCo model: exactly the facets that the renderer draws."""
+"""The triangles of a MuJoCo model: exactly the facets that the renderer renders."""
 
 from __future__ import annotations
 

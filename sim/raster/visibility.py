@@ -52,7 +52,7 @@ def visibility_map(
         nearness, body = empty_buffer(lens.height, lens.width)
     else:
         nearness, body = before.nearness.copy(), before.body.copy()
-    in_camera = soup.transformed(compose_transforms(poses, pose.into))
+    in_camera = soup.transformed(compose_transforms(poses, pose.world_to_camera))
     projected, source = project_triangles(
         in_camera, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M
     )

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import NEAR_M, Eye, Intrinsics
+from sim.geometry.pinhole import NEAR_M, Intrinsics, Projection
 from sim.raster.scan_conversion import mark_covered
 from sim.raster.triangles import TriangleSoup
 
@@ -53,8 +53,8 @@ class VisibleFraction:
         Returns:
             0 to 1; 1 if the object is entirely in the image and nothing occludes it.
         """
-        eye = Eye(lens.focal_px, lens.width / 2, lens.height / 2)
-        corners_px, *span = _project(self._corners_m, self._body, views, eye)
+        projection = Projection(lens.focal_px, lens.width / 2, lens.height / 2)
+        corners_px, *span = _project(self._corners_m, self._body, views, projection)
         if not (span[0] < lens.width and span[1] < lens.height and span[2] > 0 and span[3] > 0):
             return 0.0
         x0, y0 = math.floor(span[0]), math.floor(span[1])
@@ -69,7 +69,7 @@ class VisibleFraction:
 
 @compiled
 def _project(
-    corners: F64, body: I32, views: F64, eye: Eye
+    corners: F64, body: I32, views: F64, projection: Projection
 ) -> tuple[F64, float, float, float, float]:
     """Project corners into the image.
 
@@ -77,13 +77,13 @@ def _project(
         corners: (n, 3) positions in their bodies' frames [m].
         body: (n,) number of the body that each corner belongs to.
         views: (bodies, 3, 4) transform from each body's frame into the camera's.
-        eye: projection of the camera.
+        projection: projection of the camera.
 
     Returns:
         (n, 2) image coordinates [px], NaN for corners nearer than the near plane; and lowest x,
         lowest y, highest x, highest y. If there are none, the lowest are +∞ and the highest −∞.
     """
-    focal, centre_x, centre_y = eye
+    focal, centre_x, centre_y = projection
     corners_px = np.full((len(corners), 2), np.nan)
     low_x = low_y = math.inf
     high_x = high_y = -math.inf

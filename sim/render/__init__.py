@@ -1,1 +1,1 @@
-"""MuJoCo's Filament renderer, whose images are read in cd/m², and its demands on the machine."""
+"""MuJoCo's Filament renderer with images in cd/m², and the Vulkan devices that it needs."""

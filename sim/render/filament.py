@@ -1,4 +1,4 @@
-"""MuJoCo's Filament renderer, whose images are read in cd/m².
+"""MuJoCo's Filament renderer, with images in cd/m².
 
 Filament writes luminance × exposure as linear float32 into the red channel. It renders a model from
 `sim.render.luminance_model`, in which every colour is a grey of the same luminance. A rectangle of
@@ -21,7 +21,7 @@ from mujoco import mjrf
 
 from sim.errors import RendererError
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle, whole
+from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.free_memory import return_free_memory
 from sim.render.quiet_output import suppress_output
@@ -173,7 +173,9 @@ class FilamentRenderer:
     def preview(self, pose: Pose, *, scale: float = 2) -> npt.NDArray[np.uint8]:
         """Render a tone-mapped colour image: (height·scale, width·scale, 3) uint8 sRGB."""
         rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
-        return self._render(pose, whole(self.intrinsics), scale, rgb, post_processing=True)
+        return self._render(
+            pose, image_rectangle(self.intrinsics), scale, rgb, post_processing=True
+        )
 
     def _with_blur_margin(self, rectangle: Rectangle) -> Rectangle:
         m, i = BLUR_REACH_PX, self.intrinsics

@@ -61,7 +61,7 @@ class _DriverProperties(ctypes.Structure):
 
 
 class _DeviceProperties(ctypes.Structure):
-    """VkPhysicalDeviceProperties2; limits and features are unread bytes, with room to spare."""
+    """VkPhysicalDeviceProperties2; its limits and features are unread bytes, with a margin."""
 
     _fields_ = (
         ("sType", ctypes.c_int),

@@ -23,7 +23,8 @@ def open_asset(name: str) -> mujoco.MjSpec:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, FileNotFoundError) as error:
         raise SceneConfigError(
-            f"Cannot open {path}: {_first_line(error)}. Install flybench again, or repair the file."
+            f"Cannot open {path}: {_first_line(error)}. Allowed is a valid MJCF file. "
+            "Install flybench again, or repair the file."
         ) from error
     for item in (*spec.textures, *spec.meshes):
         if item.file and not (ASSETS / item.file).is_file():

@@ -1,4 +1,4 @@
-"""Flickering lamps: lamps on the mains, which are dimmed together."""
+"""Flickering lamps: all lamps on the mains, whose output changes together."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class FlickeringLamps:
 
     @contextmanager
     def scaled(self, model: mujoco.MjModel, factor: float) -> Iterator[None]:
-        """Multiply their output while the block runs; a renderer sees it after its next update."""
+        """Multiply the output of the lamps inside the with block, from a renderer's next update."""
         emission = model.mat_emission.copy()
         model.mat_emission[self.materials] *= factor
         # Filament reads an emission of 0 as "no emission given".
@@ -48,7 +48,8 @@ def changed_lights(model: mujoco.MjModel, intensities: dict[int, float]) -> Iter
 
     Args:
         model: the model, which is restored afterwards.
-        intensities: intensity by number of the light; [lux], [cd] or [cd/m²] as its type says.
+        intensities: intensity by number of the light; [lux], [cd] or [cd/m²], depending on the type
+            of the light.
     """
     before = model.light_intensity.copy()
     for light, intensity in intensities.items():

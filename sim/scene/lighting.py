@@ -26,14 +26,14 @@ LAMP_CUTOFF_DEG, LAMP_SOFTNESS = 75.0, 0.3
 """Half angle of a street lamp's cone, and the outer share of it over which the light fades
 (assumed)."""
 LAMP_RANGE_M = 60.0
-"""Distance at which Filament lets the light of a lamp end, far out of view [m] (assumed)."""
+"""Distance at which Filament cuts off the light of a lamp, far out of view [m] (assumed)."""
 BEAM_SOFTNESS = 0.8
 """Share of a beam, from its rim inwards, over which the light fades (assumed)."""
-HOT_CD, HOT_CUTOFF_DEG, HOT_DIP = 10_000.0, 5.0, math.tan(math.radians(5.5))
+BEAM_CENTRE_CD, BEAM_CENTRE_CUTOFF_DEG, BEAM_CENTRE_DIP = 10_000.0, 5.0, math.tan(math.radians(5.5))
 """Centre of a dipped beam, one per lamp: intensity, half angle of the cone, and slope below the
 horizontal, so steep that nothing above the lamp is lit (assumed; UNECE R112 allows a passing beam
 at most 44 kcd)."""
-SPREAD_CD, SPREAD_CUTOFF_DEG, SPREAD_DIP = 1_700.0, 16.0, math.tan(math.radians(16.5))
+BEAM_WIDE_CD, BEAM_WIDE_CUTOFF_DEG, BEAM_WIDE_DIP = 1_700.0, 16.0, math.tan(math.radians(16.5))
 """Wide part of a dipped beam, per lamp: intensity, half angle and slope. The wide parts of all
 lamps of a vehicle shine from the middle between them (assumed)."""
 HEAD_LAMP_CD_M2, TAIL_LAMP_CD_M2, STREET_LAMP_CD_M2 = 3_000.0, 400.0, 8_000.0
@@ -54,7 +54,8 @@ LAMP_LENS = "mains_lamp_lens"
 """Material of the lenses of street lamps. Names of all materials on the mains begin with
 "mains_"."""
 DUSK_LAMPS_LUX = 10.0
-"""Illuminance that street lamps add to that of the sky at dusk, as at night [lux] (assumed)."""
+"""Illuminance from the street lamps at dusk, in addition to that of the sky [lux] (assumed; the
+same as at night)."""
 LUMINANCE_OF_RGB = np.array([0.2126, 0.7152, 0.0722])
 """Luminance of the linear primaries (Rec. 709)."""
 WHITE = (1.0, 1.0, 1.0)
@@ -157,10 +158,17 @@ def add_head_lamps(body: mujoco.MjsBody, positions_m: npt.NDArray[np.float64]) -
         positions_m: (n, 3) positions of its headlamps in the frame of the body [m].
     """
     for k, position in enumerate(positions_m):
-        _add_beam(body, f"head_lamp_{k}", position, HOT_CD, HOT_CUTOFF_DEG, HOT_DIP)
-    spread_cd = SPREAD_CD * len(positions_m)
+        _add_beam(
+            body,
+            f"head_lamp_{k}",
+            position,
+            BEAM_CENTRE_CD,
+            BEAM_CENTRE_CUTOFF_DEG,
+            BEAM_CENTRE_DIP,
+        )
+    spread_cd = BEAM_WIDE_CD * len(positions_m)
     middle = positions_m.mean(axis=0)
-    _add_beam(body, "head_lamp_spread", middle, spread_cd, SPREAD_CUTOFF_DEG, SPREAD_DIP)
+    _add_beam(body, "head_lamp_spread", middle, spread_cd, BEAM_WIDE_CUTOFF_DEG, BEAM_WIDE_DIP)
 
 
 def _add_beam(
@@ -219,7 +227,7 @@ def unit_illuminance(lamps_m: npt.NDArray[np.float64]) -> float:
 def set_luminance(
     material: mujoco.MjsMaterial, luminance_cd_m2: float, glow: Sequence[float] = WHITE
 ) -> None:
-    """Give a material a luminance of its own, in addition to what it reflects.
+    """Make a material emit luminance, in addition to what it reflects.
 
     Args:
         material: the material; its colour has no influence.

@@ -1,9 +1,9 @@
-"""The moving things of a scene: one entry of `MOVERS` each.
+"""The moving objects of a scene; each is one entry of `MOVERS`.
 
 To add a moving thing, such as a cyclist:
 
-1. Put its MJCF file in `sim/assets`, with a slide joint "travel" along its way.
-2. Write its motion in `sim/motion`: a class that obeys `sim.motion.paths.Motion`.
+1. Put its MJCF file in `sim/assets`, with a slide joint "travel" along its path.
+2. Write its motion in `sim/motion`: a class that implements the protocol `sim.motion.paths.Motion`.
 3. Give `sim.distractors.Distractors` the fields that switch it on.
 4. Add an entry to `MOVERS` that puts it into the street and finds it in the compiled model.
 """
@@ -39,7 +39,7 @@ Found = Iterator[tuple[MovingObject, Motion]]
 
 
 @dataclass(frozen=True)
-class Street:
+class CompiledStreet:
     """A compiled street in which moving things are found.
 
     Attributes:
@@ -64,14 +64,14 @@ class Mover:
     """One moving thing that a configuration may ask for.
 
     Attributes:
-        is_wanted: tells whether a configuration asks for it.
+        is_wanted: returns True if a configuration contains it.
         add: adds it to a street that is not compiled yet.
         find: finds it in the compiled street, with its motion.
     """
 
     is_wanted: Callable[[CrossingConfig], bool]
     add: Callable[[mujoco.MjSpec, CrossingConfig], None]
-    find: Callable[[Street], Found]
+    find: Callable[[CompiledStreet], Found]
 
 
 def add_movers(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
@@ -96,7 +96,7 @@ def find_movers(
         path: path of the target.
         trees: trees of the street.
     """
-    street = Street(model, config, path, trees)
+    street = CompiledStreet(model, config, path, trees)
     return [found for mover in MOVERS if mover.is_wanted(config) for found in mover.find(street)]
 
 
@@ -110,7 +110,7 @@ def _add_target(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
     _put_on_lane(spec, car, config.vehicle, TARGET_PREFIX, NEAR_LANE_M, heading(config.direction))
 
 
-def _find_target(street: Street) -> Found:
+def _find_target(street: CompiledStreet) -> Found:
     item = moving_object(
         street.model,
         TARGET,
@@ -128,7 +128,7 @@ def _add_far_vehicle(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
     _put_on_lane(spec, car, extra.far_vehicle_kind, FAR_PREFIX, FAR_LANE_M, ahead)
 
 
-def _find_far_vehicle(street: Street) -> Found:
+def _find_far_vehicle(street: CompiledStreet) -> Found:
     extra = street.config.distractors
     path = UniformPath(extra.far_vehicle_speed_m_s, extra.far_vehicle_lag_s)
     item = moving_object(
@@ -151,7 +151,7 @@ def _add_pedestrian(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
     spec.attach(open_asset("pedestrian.xml"), prefix=PEDESTRIAN_PREFIX, frame=frame)
 
 
-def _find_pedestrian(street: Street) -> Found:
+def _find_pedestrian(street: CompiledStreet) -> Found:
     extra = street.config.distractors
     item = moving_object(
         street.model,
@@ -170,7 +170,7 @@ def _find_pedestrian(street: Street) -> Found:
     yield item, motion
 
 
-def _find_trees(street: Street) -> Found:
+def _find_trees(street: CompiledStreet) -> Found:
     extra, rng = street.config.distractors, sway_rng(street.config.distractors.seed)
     for tree in street.trees:
         sway = swaying(street.model, tree, extra.wind_grade, rng)

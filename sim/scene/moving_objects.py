@@ -95,7 +95,7 @@ def moving_object(
 
 
 def descendants(model: mujoco.MjModel, root: int) -> Numbers:
-    """Return the (n,) numbers of `root` and all its descendants; a child's number is the larger."""
+    """Return the (n,) numbers of `root` and its descendants, which have greater numbers."""
     found = {root}
     for body in range(root + 1, model.nbody):
         if int(model.body_parentid[body]) in found:

@@ -32,7 +32,7 @@ HUES = {
 def vehicle(
     kind: VehicleKind, reflectance: float, *, lit: bool, hue: Hue | None = None
 ) -> mujoco.MjSpec:
-    """Return the model of one vehicle, with its origin on the ground under its middle, x forward.
+    """Return the model of one vehicle: origin on the ground under its middle, x forward.
 
     Args:
         kind: kind of vehicle.

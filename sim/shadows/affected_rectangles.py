@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle, points_rectangle, whole
+from sim.geometry.rectangles import Rectangle, image_rectangle, rectangle_of_points
 from sim.geometry.rigid_transform import axes_along
 from sim.shadows.shadow_maps import ShadowSource
 
@@ -38,7 +38,7 @@ def shadow_rectangle(
         it is in the image.
     """
     points, on_ground = _add_shadows(corners_m, source.axes[2], source.position_m, source.is_sun)
-    return points_rectangle(points, pose, lens) if on_ground else whole(lens)
+    return rectangle_of_points(points, pose, lens) if on_ground else image_rectangle(lens)
 
 
 def beam_rectangle(
@@ -57,7 +57,7 @@ def beam_rectangle(
         The rectangle; None if nothing of it is in the image.
     """
     points = _beam_hull(position_m, direction, axes_along(direction), math.tan(angle_rad))
-    return points_rectangle(points, pose, lens)
+    return rectangle_of_points(points, pose, lens)
 
 
 @compiled

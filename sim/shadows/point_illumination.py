@@ -1,4 +1,4 @@
-"""Illumination of one point: the share of a light that passes a shadow map, and a beam's lux."""
+"""Illumination of one point: the share of a light that reaches it, and a beam's illuminance."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Shadow maps: how near a moving object is to a light, direction by direction.
+"""Shadow maps: the nearness of a moving object to a light, for each direction.
 
-Each pair of a light and a moving object has its own map. It is rendered anew at every sample,
+Each pair of a light and a moving object has its own map. It is computed again at every sample,
 because the shadow changes as the object moves.
 """
 

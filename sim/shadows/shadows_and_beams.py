@@ -189,7 +189,7 @@ class ShadowBeamRenderer:
             made = render_shadow_map(sources[k], obj, self._casters[obj.name], data, poses, out)
             if made:
                 rendered.append((k, made, area))
-        to_world = inverse_transform(self._finder.pose.into)
+        to_world = inverse_transform(self._finder.pose.world_to_camera)
         views = [compose_transforms(to_world, made.view) for _, made, _ in rendered]
         ranges = [float(self._model.light_range[k]) for k, _ in areas.beams]
         return ShadowsAndBeams(
@@ -207,7 +207,7 @@ class ShadowBeamRenderer:
 
     def _beam(self, data: mujoco.MjData, light: int) -> F64:
         """Return the row of `ShadowsAndBeams.beams` for a light, (9,)."""
-        into = self._finder.pose.into
+        into = self._finder.pose.world_to_camera
         outer = math.radians(self._model.light_cutoff[light])
         inner = outer * (1 - self._model.light_softness[light])
         scale = 1 / max(math.cos(inner) - math.cos(outer), MIN_CONE_EDGE)

@@ -57,7 +57,7 @@ class DenseTruth:
 
     def poses_in_camera(self, t_s: float) -> F64:
         """(bodies, 3, 4) transforms from each body's frame to the camera's frame."""
-        return compose_transforms(self.poses_in_world(t_s), self.scene.pose_at(t_s).into)
+        return compose_transforms(self.poses_in_world(t_s), self.scene.pose_at(t_s).world_to_camera)
 
     def poses_in_world(self, t_s: float) -> F64:
         """(bodies, 3, 4) transforms from each body's frame to the world."""

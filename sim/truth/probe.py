@@ -1,4 +1,4 @@
-"""Ground truth for every moving object at a given time, in the image and in the world."""
+"""Ground truth of every moving object at a given time, in the image and in the world."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class TruthProbe:
         labels, counts = _label(body, self.geometry.object_of_body, len(scene.objects))
         poses, camera = self.geometry.poses_in_world(t_s), scene.pose_at(t_s)
         motions = self._motions(t_s, poses, camera)
-        in_camera = compose_transforms(poses, camera.into)
+        in_camera = compose_transforms(poses, camera.world_to_camera)
         objects = tuple(
             self._object_truth(k, motions[k], in_camera, labels, counts[k])
             for k in range(len(scene.objects))
@@ -117,7 +117,7 @@ class TruthProbe:
         """
         points = (roots[..., :3] @ self._references_m[..., None])[..., 0] + roots[..., 3]
         offsets = points - np.array([[camera.position_m] for camera in cameras])
-        axes = np.array([camera.into[:, :3] for camera in cameras])
+        axes = np.array([camera.world_to_camera[:, :3] for camera in cameras])
         return offsets, offsets @ axes.swapaxes(-1, -2)
 
     def _reference_points_m(self) -> F64:

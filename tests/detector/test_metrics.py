@@ -4,7 +4,7 @@ import pytest
 
 from detector.errors import DetectorError
 from detector.estimate import MotionEstimate
-from detector.fly.model_variants import GrmsOf
+from detector.fly.model_variants import GrmsResponse
 from detector.metrics import (
     Box,
     accuracy,
@@ -91,7 +91,7 @@ def test_grms_is_the_rms_slope_of_the_stronger_system() -> None:
 
 def test_grms_of_both_systems_includes_the_weaker_one() -> None:
     steps = steps_with_responses((0.0, 0.0), (4.0, 3.0), (4.0, 3.0))
-    both = grms(steps, crossing_us=CROSSING, of=GrmsOf.BOTH, step_us=10_000)
+    both = grms(steps, crossing_us=CROSSING, of=GrmsResponse.BOTH, step_us=10_000)
     assert both == pytest.approx(math.sqrt((500.0**2 + 0.0) / 2))
 
 

@@ -1,6 +1,6 @@
 """`python -m tests.digests`: SHA-256 digests of what the program computes.
 
-Write them before a change of the code that must not change results, and check them after it.
+Write the digests before a change that must not affect results, and check them after it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def compute(only: str, *, fast: bool) -> dict[str, str]:
             start_s = time.perf_counter()
             try:
                 found[name] = digest(case.compute())
-            except Exception as error:  # the others are of use without it
+            except Exception as error:  # the other digests are still useful
                 found[name] = f"{FAILED}: {type(error).__name__}: {error}"
             spent_s = time.perf_counter() - start_s
             print(f"{found[name]}  {name}  ({spent_s:.1f} s)", flush=True)
@@ -41,20 +41,21 @@ def compute(only: str, *, fast: bool) -> dict[str, str]:
 
 
 def is_as(file: Path, found: dict[str, str]) -> bool:
-    """Compare with a file, print the name of each that differs, and say whether none does."""
+    """Compare digests with a file, print the names of those that differ, and return True if all are
+    equal."""
     known: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
     gone = [name for name in known if name not in CASES]
     differing = [name for name in found if found[name] != known.get(name)]
     for name in differing:
         print(f"differs: {name}" if name in known else f"not in {file}: {name}")
     for name in gone:
-        print(f"in {file} alone: {name}")
-    print(f"{len(found) - len(differing)} of {len(found)} digests are those of {file}")
+        print(f"only in {file}: {name}")
+    print(f"{len(found) - len(differing)} of {len(found)} digests equal those in {file}")
     return not differing and not gone
 
 
 def main() -> int:
-    """Read the arguments, and do what they ask for."""
+    """Parse the arguments, compute the digests, and write or check them."""
     parser = argparse.ArgumentParser(prog="python -m tests.digests", description=__doc__)
     parser.add_argument("--write", type=Path, metavar="FILE.json", help="write the digests")
     parser.add_argument("--check", type=Path, metavar="FILE.json", help="compare with a file")

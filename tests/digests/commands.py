@@ -1,4 +1,4 @@
-"""Digests of the tables that commands write; times that a clock gave are left out."""
+"""Digests of the tables that commands write, without measured times."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ sensor.theta_on = [0.18, 0.3]
 
 
 def is_result(column: str) -> bool:
-    """True for a column of results: not a parameter of a sweep, not a time of a clock."""
+    """Return True for a column of results, and not of parameters or measured times."""
     return not column.startswith(PARAMETERS) and not any(clock in column for clock in CLOCKS)
 
 
@@ -68,7 +68,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 def written(execute: Callable[[Path], int], *names: str) -> list[Any]:
-    """Tables and figures by these names in the folder that a command writes."""
+    """Return the named tables and figures from the folder that a command writes."""
     with TemporaryDirectory() as folder, redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         out = Path(folder) / "out"
         status = execute(out)
@@ -79,7 +79,8 @@ def written(execute: Callable[[Path], int], *names: str) -> list[Any]:
 
 
 def numbers(value: Any) -> Iterator[float]:
-    """Numbers in nested lists and dictionaries, in their order; words may be rewritten."""
+    """Yield the numbers in nested lists and dictionaries, in order; text is ignored, because it may
+    be rewritten."""
     if isinstance(value, dict | list | tuple):
         for part in value.values() if isinstance(value, dict) else value:
             yield from numbers(part)
@@ -167,13 +168,13 @@ def characterised(name: str) -> list[float]:
 
 
 def converged() -> Any:
-    """How events of two renderings approach those of a third, by day and night."""
+    """Compare the events of two renderings with those of a third, by day and at night."""
     renderings = (
         Rendering("full", 2, 0.5),
         Rendering("full", 1, 0.5),
         Rendering("keyframes", 1, 0.5, 8.0),
     )
-    clock = COLUMNS.index("cpu_ms_a_sample")
+    clock = COLUMNS.index("cpu_ms_per_sample")
     return [
         [*row[:clock], *row[clock + 1 :]]
         for lighting in (Lighting.DAY, Lighting.NIGHT)
@@ -182,7 +183,7 @@ def converged() -> Any:
 
 
 def event_camera() -> Any:
-    """What an event camera beside a small model gives."""
+    """Return the output of an event camera in a small model."""
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
     data.qvel[:] = 2.0
@@ -196,7 +197,7 @@ def event_camera() -> Any:
 
 
 def emulated() -> Any:
-    """Events of grey pictures, with and without pictures between them."""
+    """Return the events of grey pictures, with and without interpolated pictures."""
     levels = [np.clip(image, 0, 255) for _, image in drawn_light(WIDTH, HEIGHT, steps=6)]
     with TemporaryDirectory() as folder, redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         pictures, out = Path(folder) / "pictures.npy", Path(folder) / "events.npz"

@@ -1,4 +1,4 @@
-"""Digests of what every detector says of one stream."""
+"""Digests of the estimates of every detector for one stream."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from detector.fly.detector import FlyDetector
 from detector.fly.model_variants import (
     Attention,
     Averaging,
-    GrmsOf,
+    GrmsResponse,
     LocalMotion,
     Normalisation,
     Offsets,
     PairLocation,
     RegionActivity,
-    TimeSurface,
+    SurfaceEvents,
 )
 from detector.metrics import grms
 from emulator import EventSensor, SensorOutput
@@ -31,7 +31,7 @@ from tests.digests.sensor import drawn_light
 
 WIDTH, HEIGHT = 346, 260
 READINGS: dict[str, type[StrEnum]] = {
-    "time_surface": TimeSurface,
+    "time_surface": SurfaceEvents,
     "averaging": Averaging,
     "offsets": Offsets,
     "pair_location": PairLocation,
@@ -50,12 +50,12 @@ OTHERS: dict[str, dict[str, Any]] = {
 
 @lru_cache
 def stream() -> list[SensorOutput]:
-    """What a DAVIS346 gives for the drawn light."""
+    """Return the output of a DAVIS346 for synthetic luminance."""
     return list(EventSensor(seed=2).stream(drawn_light(WIDTH, HEIGHT)))
 
 
 def said(detector: Detector) -> list[MotionEstimate]:
-    """All that a detector says of the stream, which it reads step by step."""
+    """Return all estimates of a detector that reads the stream step by step."""
     estimates: list[MotionEstimate] = []
     until_us = 1
     for output in stream():
@@ -67,18 +67,18 @@ def said(detector: Detector) -> list[MotionEstimate]:
 
 
 def of_method(name: str) -> list[MotionEstimate]:
-    """What a method says."""
+    """Return the estimates of a method."""
     return said(find_method(name).make(width=WIDTH, height=HEIGHT))
 
 
 def of_fly(config: FlyConfig) -> list[MotionEstimate]:
-    """What a fly of other parameters says."""
+    """Return the estimates of a fly with other parameters."""
     return said(FlyDetector(config, width=WIDTH, height=HEIGHT))
 
 
 def gradients() -> list[float | None]:
-    """The fly's GRMS in both readings."""
-    return [grms(of_method(FLY), crossing_us=(100_000, 400_000), of=of) for of in GrmsOf]
+    """Return the GRMS of the fly for each definition."""
+    return [grms(of_method(FLY), crossing_us=(100_000, 400_000), of=of) for of in GrmsResponse]
 
 
 def _fly_case(**changes: Any) -> Case:

@@ -1,4 +1,5 @@
-"""SHA-256 of any value: the exact bytes of what it holds, and no names of classes or modules."""
+"""SHA-256 of any value, computed from the exact bytes of its contents, without names of classes and
+modules."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ class Case:
 
     Attributes:
         compute: computes what is hashed.
-        slow: whether it takes so long that `--fast` leaves it out.
+        slow: True if it takes so long that `--fast` omits it.
     """
 
     compute: Callable[[], Any]
@@ -33,7 +34,7 @@ def digest(value: Any) -> str:
 
 
 def _feed(value: Any, take: Callable[[bytes], None]) -> None:
-    """Pass every part of a value on as bytes; each kind begins with a letter of its own."""
+    """Pass every part of a value to `take` as bytes; each type begins with a different letter."""
     if isinstance(value, np.ndarray):
         take(f"A{value.dtype.str}{value.shape}".encode())
         take(np.ascontiguousarray(value).tobytes())

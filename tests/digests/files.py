@@ -1,4 +1,4 @@
-"""Digests of what comes back from files of every format."""
+"""Digests of events and frames read from files of every format."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.formats.sample_files import FILE_MAKERS, make_file, random_events
 
 
 def round_trip(ending: str) -> Any:
-    """Events and frames that are read from a file, and what the file says of itself."""
+    """Return the events and frames read from a file, and the facts from its header."""
     chunks = [Chunk(output.events, output.aps_frames) for output in stream()[:100]]
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"events{ending}"
@@ -25,7 +25,7 @@ def round_trip(ending: str) -> Any:
 
 
 def of_others(name: str) -> Any:
-    """The same of a file in a format of another program."""
+    """Return the same for a file that another program's format describes."""
     with (
         TemporaryDirectory() as folder,
         open_events(make_file(Path(folder), name, random_events())) as file,

@@ -1,4 +1,4 @@
-"""Digests of light, truth and pictures."""
+"""Digests of luminance, ground truth and preview images."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from tests.digests.exact import Case
 SAMPLES = 12
 EVERY_US = 5_000
 LENS = Intrinsics(width=230, height=150)
-"""The middle of the sensor, which draws faster."""
+"""The middle of the sensor, which is rendered faster."""
 BUSY = Distractors(
     wind_grade=5,
     far_vehicle=RelativeDirection.OPPOSITE,
@@ -74,7 +74,7 @@ MODEL = f"""<mujoco><worldbody>{EXAMPLE_LIGHT}
 
 @lru_cache
 def crossing(name: str) -> Crossing:
-    """One of the crossings; its light is kept nowhere."""
+    """Return one of the crossings, without a cache."""
     return Crossing(CROSSINGS[name], LENS)
 
 
@@ -91,7 +91,7 @@ def samples(name: str) -> list[Sample]:
 
 
 def light(name: str) -> Iterator[Any]:
-    """Luminance, time and window of every sample."""
+    """Yield time, luminance and changed rectangle of every sample."""
     for sample in samples(name):
         yield sample.t_us, sample.luminance, sample.changed
 
@@ -103,7 +103,7 @@ def truth(name: str) -> Iterator[Any]:
 
 
 def kept(name: str) -> Iterator[Any]:
-    """Light and truth that come out of a cache."""
+    """Yield samples that are first rendered into a cache and then read from it."""
     with TemporaryDirectory() as folder:
         for _ in range(2):
             cache = LuminanceCache(Path(folder))
@@ -112,7 +112,7 @@ def kept(name: str) -> Iterator[Any]:
 
 
 def times(name: str) -> list[int]:
-    """When the samples of the whole crossing are."""
+    """Return the times of all samples of a crossing [µs]."""
     return crossing(name).times_us()
 
 
@@ -126,7 +126,7 @@ def geometry(name: str) -> Iterator[Any]:
 
 
 def sources(name: str) -> Any:
-    """Where the events of a sensor before a crossing came from."""
+    """Return the events of a sensor that sees a crossing, and their sources."""
     sensor = EventSensor(SensorConfig(width=LENS.width, height=LENS.height), seed=3)
     outputs = [sensor.step(s.t_us, s.luminance, changed=s.changed) for s in samples(name)]
     events = np.concatenate([output.events for output in outputs])
@@ -135,7 +135,7 @@ def sources(name: str) -> Any:
 
 
 def full_frames(name: str) -> Iterator[Any]:
-    """Images that are drawn in full."""
+    """Yield images that are rendered in full."""
     with crossing(name).full_frame_renderer() as draw:
         for t_us in middle_us(name)[::4]:
             yield draw(t_us)
@@ -147,7 +147,7 @@ def previews(name: str) -> list[bytes]:
 
 
 def photometric_camera() -> Iterator[Any]:
-    """What a camera of a small model reads while the model moves."""
+    """Yield the luminance, visibility, depth and flow of a camera in a small moving model."""
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
     data.qvel[:] = 4.0

@@ -1,4 +1,4 @@
-"""Digests of what every sensor gives for light that NumPy draws."""
+"""Digests of the output of every sensor for synthetic luminance."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def outputs(name: str, *, seed: int = 5, threads: int = 1, steps: int = 100) -> 
 
 
 def windowed() -> Iterator[Any]:
-    """The same of a sensor that is told where the light changes."""
+    """Yield the output of a sensor that is given the rectangle in which the luminance changes."""
     sensor = EventSensor(SMALL, seed=8)
     window = (0, SMALL.height // 4, SMALL.width, SMALL.height * 3 // 4)
     for t_us, image in drawn_light(SMALL.width, SMALL.height, steps=60):

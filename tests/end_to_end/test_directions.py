@@ -5,7 +5,7 @@ import pytest
 from flybench.direction import CARDINAL, Direction
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
@@ -25,7 +25,7 @@ def test_the_fly_reports_the_right_direction(lighting: Lighting, direction: Dire
         )
     )
     crossing, detector = make_crossing(config), make_detector(config)
-    track, estimates = Track(), []
+    track, estimates = TargetTrack(), []
     for step in run_steps(config, crossing, detector, Stopwatch()):
         add_truth(track, step.sample.truth)
         estimates += step.estimates

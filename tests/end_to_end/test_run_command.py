@@ -15,7 +15,7 @@ from formats import open_events, read_events
 from scenarios.commands.run import Run
 from scenarios.output.tables import estimate_row
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import run_sequence
+from scenarios.runs.sequence import record_run
 
 COARSE_RENDERING = ("--step-px", "8", "--supersample", "1")
 COARSE = (*COARSE_RENDERING, "--omega", "2.42")
@@ -95,7 +95,7 @@ def test_another_process_other_chunks_and_a_second_method_give_equal_results(
     finished_run: tuple[Path, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     config = Run(omega=2.42, step_px=8, supersample=1, seed=7).config()
-    summary = run_sequence(config, tmp_path / "again", also=("plane-fit",))
+    summary = record_run(config, tmp_path / "again", also=("plane-fit",))
     events = read_events(finished_run[0] / "events.h5")
     assert np.array_equal(read_events(tmp_path / "again" / "events.h5"), events)
     table = (finished_run[0] / "estimates.csv").read_text()

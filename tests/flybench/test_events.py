@@ -1,6 +1,6 @@
 import numpy as np
 
-from flybench.events import EVENT_DTYPE, Events, joined
+from flybench.events import EVENT_DTYPE, Events, concatenate_events
 
 
 def some_events(number: int) -> Events:
@@ -14,17 +14,17 @@ def some_events(number: int) -> Events:
 
 def test_parts_are_joined_in_order_and_copied() -> None:
     events = some_events(50)
-    whole = joined([events[:20], events[:0], events[20:]])
+    whole = concatenate_events([events[:20], events[:0], events[20:]])
     np.testing.assert_array_equal(whole, events)
     assert whole.dtype == EVENT_DTYPE
-    assert not np.shares_memory(joined([events]), events)
+    assert not np.shares_memory(concatenate_events([events]), events)
 
 
 def test_parts_may_leave_gaps_in_memory() -> None:
     events = some_events(50)
-    np.testing.assert_array_equal(joined([events[::2], events[::-1]])[:25], events[::2])
+    np.testing.assert_array_equal(concatenate_events([events[::2], events[::-1]])[:25], events[::2])
 
 
 def test_no_parts_are_no_events() -> None:
-    assert joined([]).dtype == EVENT_DTYPE
-    assert joined([]).size == 0
+    assert concatenate_events([]).dtype == EVENT_DTYPE
+    assert concatenate_events([]).size == 0

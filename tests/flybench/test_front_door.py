@@ -42,7 +42,7 @@ def test_importing_it_loads_nothing_heavy() -> None:
     assert done.stdout == "False\n"
 
 
-def test_it_is_the_command_too() -> None:
+def test_python_m_flybench_is_the_command() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "flybench", "--version"], capture_output=True, text=True
     )
@@ -64,6 +64,6 @@ def test_the_command_names_a_library_that_is_missing() -> None:
     )
 
 
-def test_a_name_whose_library_is_missing_says_so() -> None:
+def test_a_name_whose_library_is_missing_raises_an_import_error() -> None:
     done = without("mujoco", "import flybench; flybench.FlyDetector; flybench.Crossing")
     assert "flybench.Crossing needs the library mujoco, which is not installed." in done.stderr

@@ -51,7 +51,8 @@ def test_an_edited_inner_kernel_is_compiled_again(tmp_path: Path, elsewhere: boo
 
 
 def test_kernels_cached_with_a_renamed_class_are_compiled_again(tmp_path: Path) -> None:
-    """Numba's index names the classes of arguments, which may be gone when it is read."""
+    """The index of Numba contains the names of the arguments' classes, which may no longer exist
+    when it is read."""
     source = """
 from typing import NamedTuple
 from flybench.kernels import compiled
@@ -72,7 +73,7 @@ print(first({0}(1.5)))
 
 def test_no_writable_folder_costs_one_line_and_nothing_else(tmp_path: Path) -> None:
     blocked = tmp_path / "blocked"
-    blocked.write_text("a file, in which there can be no folder")
+    blocked.write_text("a file, where no folder can be created")
     (tmp_path / "outer.py").write_text(OUTER)
     (tmp_path / "inner.py").write_text(INNER.format(2))
     environment = {"NUMBA_CACHE_DIR": str(blocked), "HOME": str(blocked)}

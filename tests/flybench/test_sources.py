@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from flybench import sources
-from flybench.sources import LUMINANCE, ROOT, SWEEP_POINT, sources_digest
+from flybench.sources import LUMINANCE_SOURCES, ROOT, SWEEP_POINT_SOURCES, sources_digest
 
 PACKAGES = {"flybench", "sim", "emulator", "detector", "formats", "scenarios"}
 NO_RESULT = ("scenarios/errors.py", "scenarios/output", "scenarios/sweep/point_key.py")
@@ -42,7 +42,10 @@ def covered(path: Path, parts: tuple[str, ...]) -> bool:
 
 @pytest.mark.parametrize(
     ("start", "parts"),
-    [("sim/crossing.py", LUMINANCE), ("scenarios/sweep/measure.py", (*SWEEP_POINT, *NO_RESULT))],
+    [
+        ("sim/crossing.py", LUMINANCE_SOURCES),
+        ("scenarios/sweep/measure.py", (*SWEEP_POINT_SOURCES, *NO_RESULT)),
+    ],
 )
 def test_the_parts_cover_every_import(start: str, parts: tuple[str, ...]) -> None:
     files = imported_files(ROOT / start)

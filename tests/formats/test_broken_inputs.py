@@ -87,7 +87,7 @@ def test_truncated_text_gives_the_events_before(
     path.write_bytes(data[: data.rindex(b"\n") + 3])
     with open_events(path) as file:
         assert (file.width, file.height) == SIZE
-        assert file.size_from == ("the file" if states_size else "the events")
+        assert file.size_source == ("the file" if states_size else "the events")
         got: list[Events] = []
         with pytest.raises(FormatError, match="may be truncated"):
             got.extend(chunk.events for chunk in file)

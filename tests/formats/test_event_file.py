@@ -34,7 +34,7 @@ def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) 
         chunks = list(file)
         statistics = file.statistics
     assert (file.width, file.height) == SIZE
-    assert file.size_from == ("the option" if size else "the file")
+    assert file.size_source == ("the option" if size else "the file")
     got = np.concatenate([chunk.events for chunk in chunks])
     assert np.array_equal(got, events)
     check_events(got, width=346, height=260)
@@ -85,7 +85,7 @@ def test_hdf5_of_the_common_data_sets(
     path = make_hdf5(tmp_path / "a.h5", **data_sets)
     with open_events(path) as file:
         assert (file.width, file.height) == SIZE  # stated, or inferred from the events
-        assert file.header_facts["events in"] == location
+        assert file.header_fields["events in"] == location
         got = np.concatenate([chunk.events for chunk in file])
     if location.startswith("davis"):  # wall-clock time as floating-point numbers
         assert file.origin_us == 1_500_000_000_000_000 + E["t"][0]

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.geometry.pinhole import Eye, Intrinsics, Pose
+from sim.geometry.pinhole import Intrinsics, Pose, Projection
 from sim.keyframes.background import Background
 from sim.keyframes.compositing import composite
 from sim.keyframes.surface_lookup import Surfaces
@@ -109,7 +109,7 @@ def composited(
         background,
         shadows_and_beams,
         surfaces,
-        Eye(lens.focal_px, lens.width / 2, lens.height / 2),
+        Projection(lens.focal_px, lens.width / 2, lens.height / 2),
         np.full(shape, NO_LABEL, np.int32) if label is None else label,
         np.ones(shape, np.float32) if nearness is None else nearness,
         aperture_weights(supersample, blur_px),

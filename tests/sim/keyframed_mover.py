@@ -1,4 +1,4 @@
-"""A moving body in front of the level background, as two keyframes show it; made by hand."""
+"""A moving body in front of a level background, as seen in two synthetic keyframes."""
 
 import numpy as np
 import numpy.typing as npt

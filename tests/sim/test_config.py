@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from sim import CrossingConfig, SceneConfigError, omega_from_speed
-from sim.config import DISTANCE_M, Lighting
+from sim.config import DEFAULT_DISTANCE_M, Lighting
 
 
 @pytest.mark.parametrize(
@@ -40,7 +40,7 @@ def test_a_message_names_value_and_range(field: str, value: Any) -> None:
 def test_names_from_the_command_line_become_members() -> None:
     config = CrossingConfig(lighting="night", direction="up")  # type: ignore[arg-type]
     assert config.lighting is Lighting.NIGHT
-    assert config.distance == DISTANCE_M[Lighting.NIGHT]
+    assert config.distance == DEFAULT_DISTANCE_M[Lighting.NIGHT]
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_names_from_the_command_line_become_members() -> None:
 def test_the_distances_give_the_papers_angular_velocities(
     lighting: Lighting, omegas: tuple[float, ...]
 ) -> None:
-    found = [omega_from_speed(v, DISTANCE_M[lighting]) for v in (30, 40, 50, 60)]
+    found = [omega_from_speed(v, DEFAULT_DISTANCE_M[lighting]) for v in (30, 40, 50, 60)]
     assert found == pytest.approx(omegas, abs=0.01)
 
 

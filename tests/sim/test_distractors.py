@@ -62,7 +62,7 @@ def test_every_field_is_documented() -> None:
         assert f"{field.name}: " in str(Distractors.__doc__)
 
 
-def test_a_walker_does_not_walk_into_the_camera() -> None:
+def test_a_pedestrian_on_the_near_pavement_needs_more_distance() -> None:
     near = Distractors(pedestrian=RelativeDirection.SAME, pedestrian_pavement=Pavement.NEAR)
     with pytest.raises(SceneConfigError, match=r"distance_m is 3\.5.*near pavement.*Allowed is 4"):
         CrossingConfig(distance_m=3.5, distractors=near)

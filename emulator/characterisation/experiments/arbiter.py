@@ -3,8 +3,8 @@
 Every pixel flickers with its own phase, so that events come at a steady rate. One sensor with one
 seed and one stimulus is read out twice: by a bus without limits, which shows the events that the
 pixels generate, and by its arbiter. A pixel holds only one waiting event, and is in reset for its
-refractory period after it was read. So an event that is read out is the first that the pixel
-generated since the last, which gives its delay.
+refractory period after it was read. An event that is read out is therefore the first that the pixel
+generated after its last reset; this gives the delay.
 
 Rates are counted between two time stamps, late enough for the queue to have filled. The events of a
 row share the time stamp of its grant. At that time the bus has carried none of the last row yet,

@@ -31,7 +31,7 @@ from flybench.events import Cause
 
 DARKENING = 0.8
 """Share of luminance that the bar removes (assumed: black print on grey paper; the sources do not
-say)."""
+state it)."""
 BRIGHTEST_LUX = 1e5
 """Illuminance of the scene in sunlight [lux]."""
 _HALF = 0.5

@@ -29,14 +29,14 @@ OVERLAP = 0.5
 (M. Everingham et al., "The PASCAL visual object classes challenge", 2010)."""
 
 
-def fly_is_right(rows: Sequence[Row]) -> Claim:
+def fly_finds_direction(rows: Sequence[Row]) -> Claim:
     """Test Fig. EX3 C, the proposed method."""
     return _is_right(
         rows, FLY, "the event-driven fly finds the correct direction in every sequence"
     )
 
 
-def contrast_is_right(rows: Sequence[Row]) -> Claim:
+def contrast_finds_direction(rows: Sequence[Row]) -> Claim:
     """Test Fig. EX3 C, contrast maximisation."""
     statement = "contrast maximisation finds the correct direction in every sequence"
     return _is_right(rows, CONTRAST, statement)
@@ -55,7 +55,7 @@ def _is_right(rows: Sequence[Row], method: str, statement: str) -> Claim:
     return Claim(statement, where, verdict_from_share(len(correct) / len(own)), evidence)
 
 
-def frames_fail_by_night(rows: Sequence[Row]) -> Claim:
+def frame_fly_fails_at_night(rows: Sequence[Row]) -> Claim:
     """Test Section III: the frame-based model at night."""
     statement = "at night the frame-based model largely loses its motion detection"
     where, method = "Section III, Fig. EX2 B", published_frame_fly(rows)
@@ -79,7 +79,7 @@ def frames_fail_by_night(rows: Sequence[Row]) -> Claim:
     return Claim(statement, where, "holds" if lost and works else part, evidence)
 
 
-def fly_holds_by_night(rows: Sequence[Row]) -> Claim:
+def fly_responds_at_night(rows: Sequence[Row]) -> Claim:
     """Test Section III: the proposed model at night."""
     statement = "at night the event-driven fly continues to respond stably"
     return _is_reliable(rows, NIGHT, statement, "Section III, Fig. EX2 A")
@@ -105,7 +105,7 @@ def _is_reliable(rows: Sequence[Row], lighting: str, statement: str, where: str)
     return Claim(statement, where, verdict_from_share(len(reliable) / len(known)), evidence)
 
 
-def attention_finds_it(rows: Sequence[Row]) -> Claim:
+def region_encloses_vehicle(rows: Sequence[Row]) -> Claim:
     """Test Sections II-C and III: the region of interest."""
     statement = "the attended region adapts to the vehicle and encloses it"
     where, own = "Section II, Fig. EX1 A and EX2 A", select(rows, method=FLY)

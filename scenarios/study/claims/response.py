@@ -101,7 +101,7 @@ def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
     )
 
 
-def frames_get_uneven(rows: Sequence[Row]) -> Claim:
+def frame_response_less_smooth(rows: Sequence[Row]) -> Claim:
     """Test Section III: less smooth as velocity rises."""
     statement = "by day the frame-based response becomes less smooth as velocity rises"
     own = select(rows, method=published_frame_fly(rows), lighting=DAY)
@@ -115,7 +115,7 @@ def grms_rises(rows: Sequence[Row]) -> Claim:
     return _rises(own, "grms", statement, "Section III, Fig. EX3 B", "GRMS in 1/s")
 
 
-def contrast_knows_velocity(rows: Sequence[Row]) -> Claim:
+def contrast_velocity_rises(rows: Sequence[Row]) -> Claim:
     """Test Fig. EX3 A."""
     statement = "the velocities estimated by contrast maximisation rise with the true velocity"
     own = [
@@ -160,7 +160,7 @@ def _verdict_from_ranks(ranks: Sequence[float]) -> Verdict:
     return "holds in part" if max(ranks) > 0.0 else "does not hold"
 
 
-def frames_are_few_by_night(rows: Sequence[Row]) -> Claim:
+def frames_are_few_at_night(rows: Sequence[Row]) -> Claim:
     """Test the caption of Fig. EX2."""
     statement = f"at night the APS gives fewer than {FEW_FPS:g} frames per second"
     where, own = "Caption of Fig. EX2", select(rows, method=published_frame_fly(rows))

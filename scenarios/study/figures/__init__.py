@@ -1,5 +1,6 @@
 """The figures of the study.
 
-To add a figure, write one file here with a function that draws it, and add one entry to `FIGURES`
-in `all_figures.py`. The report and the folder of figures then include it.
+To add a figure, write one file here with a function `draw(path, sequences)`, which uses
+`scenarios.output.figures.figure_file`, and add one entry to `FIGURES` in `all_figures.py`. Also
+list it in scenarios/README.md. The report and the folder of figures then include it.
 """

@@ -38,7 +38,7 @@ def test_the_cold_search_finds_the_higher_of_two_peaks(high: tuple[float, float]
 def test_a_cold_search_scans_with_the_survey_and_decides_with_the_reward() -> None:
     peaks = (733.0, -411.0), (-300.0, 500.0)
     rewards, survey = TwoPeaks(*peaks), TwoPeaks(peaks[1], peaks[0])  # exchanges the two peaks
-    found = search_cold(rewards, window_s=WINDOW_S, limit_px_s=1500.0, survey_at=survey)
+    found = search_cold(rewards, window_s=WINDOW_S, limit_px_s=1500.0, cold_scan_at=survey)
     assert np.hypot(*np.subtract(found, peaks[0])) < 0.5
     assert rewards.evaluations < survey.evaluations
 

@@ -20,7 +20,7 @@ from detector.fly.model_variants import (
     Offsets,
     PairLocation,
     RegionActivity,
-    TimeSurface,
+    SurfaceEvents,
 )
 from detector.metrics import accuracy, intersection_over_union, onset_latency_us, verdict
 from flybench.direction import CARDINAL, Direction
@@ -179,7 +179,7 @@ def test_other_variants_of_attention(attention: Attention) -> None:
 @pytest.mark.parametrize(
     "variant",
     [
-        {"time_surface": TimeSurface.ITSELF},
+        {"time_surface": SurfaceEvents.ITSELF},
         {"averaging": Averaging.BOTH},
         {"averaging": Averaging.AREA},
         {"averaging": Averaging.NONE},

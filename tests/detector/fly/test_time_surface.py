@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from detector.fly.config import FlyConfig
-from detector.fly.model_variants import Averaging, TimeSurface
+from detector.fly.model_variants import Averaging, SurfaceEvents
 from detector.fly.time_surface import TimeSurfaces
 from flybench.events import EVENT_DTYPE, Events
 
@@ -92,7 +92,7 @@ def test_events_of_one_microsecond_do_not_affect_each_other() -> None:
 
 
 def test_an_event_may_count_in_its_own_surface() -> None:
-    config = FlyConfig(time_surface=TimeSurface.ITSELF, averaging=Averaging.NONE)
+    config = FlyConfig(time_surface=SurfaceEvents.ITSELF, averaging=Averaging.NONE)
     alone = events_of([(115_000, 4, 4, True)])
     assert surfaces_at(alone, config, 120_000)[1, 1, 1] == 1.0
     pair = events_of([(100_000, 4, 4, True), (115_000, 4, 4, True)])

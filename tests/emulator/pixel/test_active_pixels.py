@@ -8,7 +8,7 @@ import pytest
 
 from emulator import ApsConfig, EventSensor, FrameError, SensorConfig, SensorConfigError
 from emulator.pixel.active_pixels import (
-    Share,
+    ThreadShare,
     empty_masks,
     find_changed,
     find_due,
@@ -66,8 +66,8 @@ def test_the_threads_together_find_all_active_pixels(parts: int) -> None:
     block_wake_us = np.zeros(masks.compare.size, np.int32)
     block_wake_us[::3] = 60
     for part in range(parts):
-        find_changed(before, after, masks, Share(part, parts))
-        find_due(wake_us, block_wake_us, np.int32(50), masks, Share(part, parts))
+        find_changed(before, after, masks, ThreadShare(part, parts))
+        find_due(wake_us, block_wake_us, np.int32(50), masks, ThreadShare(part, parts))
     block = np.arange(pixels) // BLOCK
     assert bits(masks.changed, pixels) == ((before != after) & masks.compare[block]).tolist()
     assert bits(masks.due, pixels) == ((wake_us <= 50) & (block_wake_us[block] <= 50)).tolist()

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulator.pixel.photoreceptor import corner_per_us, lag_after, ramp_pieces
+from emulator.pixel.photoreceptor import inverse_tau_per_us, lag_after, ramp_pieces
 
 
 @given(
@@ -33,9 +33,9 @@ def test_lag_solves_its_differential_equation(slope: float, tau: float) -> None:
 
 def test_cutoff_is_proportional_to_light_up_to_the_limit() -> None:
     per_lux, limit = 2 * math.pi * 1e-4, 2 * math.pi * 3e-3
-    assert corner_per_us(1.0, per_lux, limit) == pytest.approx(per_lux)
-    assert corner_per_us(0.1, per_lux, limit) == pytest.approx(per_lux / 10)
-    assert corner_per_us(1e5, per_lux, limit) == pytest.approx(limit)
+    assert inverse_tau_per_us(1.0, per_lux, limit) == pytest.approx(per_lux)
+    assert inverse_tau_per_us(0.1, per_lux, limit) == pytest.approx(per_lux / 10)
+    assert inverse_tau_per_us(1e5, per_lux, limit) == pytest.approx(limit)
 
 
 def test_only_ramps_in_dim_light_are_cut() -> None:

@@ -24,7 +24,7 @@ def test_the_table_is_printed_and_written(
     with (tmp_path / "out" / "convergence.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert tuple(rows[0]) == ("lighting", *COLUMNS)
-    assert [row["drawing"] for row in rows] == ["full", "keyframes"]
+    assert [row["rendering"] for row in rows] == ["full", "keyframes"]
 
 
 def test_a_piece_that_is_too_long_is_refused() -> None:

@@ -24,7 +24,7 @@ from scenarios.convergence.measure import (
 from sim import Crossing, CrossingConfig, Distractors, Lighting, RelativeDirection, VehicleKind
 from sim.distractors import Pavement
 from sim.geometry.pinhole import Intrinsics
-from sim.geometry.rectangles import hull
+from sim.geometry.rectangles import enclosing_rectangle
 
 CASES: dict[str, dict[str, Any]] = {
     "sedan to the right by day, a pedestrian before it": {
@@ -106,7 +106,7 @@ def compared(name: str) -> Compared:
     times_us = piece_times_us(it, PIECE_PX, it.config.step_px)
     with it.keyframe_renderer(with_keyframe_times_us(it, times_us)) as draw:
         composites = [draw(t_us) for t_us in times_us]
-    window = hull([w for c in composites for w in c.rectangles])
+    window = enclosing_rectangle([w for c in composites for w in c.rectangles])
     default = [c.luminance for c in composites]
     fine = render_in_full(it, times_us, FINE_SIZE, window, default[0])
     coarse = render_in_full(it, times_us, 2, window, default[0])
@@ -201,11 +201,13 @@ def test_there_is_one_row_per_rendering() -> None:
         for r in measure_convergence(CrossingConfig(), 1.0, renderings)
     ]
     assert [tuple(row[name] or 0.0 for name in COLUMNS[:4]) for row in rows] == list(renderings)
-    assert rows[0]["events"] == 0
+    assert rows[0]["events_excess"] == 0
     assert rows[0]["median_us"] == 0
-    assert rows[0]["found_within_200us"] == rows[0]["real_within_200us"] == 1
-    assert all(0.3 < row["found_within_2000us"] < 1 and row["events"] != 0 for row in rows[1:])
-    assert all(row["cpu_ms_a_sample"] > 0 for row in rows)
+    assert rows[0]["recall_within_200us"] == rows[0]["precision_within_200us"] == 1
+    assert all(
+        0.3 < row["recall_within_2000us"] < 1 and row["events_excess"] != 0 for row in rows[1:]
+    )
+    assert all(row["cpu_ms_per_sample"] > 0 for row in rows)
 
 
 def test_the_piece_lies_half_way_between_two_keyframes() -> None:

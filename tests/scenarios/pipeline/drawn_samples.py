@@ -1,4 +1,4 @@
-"""A drawn sequence of luminance samples, for tests that need no rendering."""
+"""A synthetic sequence of luminance samples, for tests without rendering."""
 
 from collections.abc import Iterator
 

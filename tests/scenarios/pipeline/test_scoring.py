@@ -5,7 +5,7 @@ import pytest
 from detector.estimate import MotionEstimate
 from detector.metrics import Box, Point
 from flybench.direction import Direction
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 
 IN_VIEW_US = (100_000, 300_000)
 
@@ -15,8 +15,8 @@ def estimate(t_us: int, direction: Direction, roi: Box | None = (0, 0, 10, 10)) 
     return MotionEstimate(t_us, 0.5, 0.0, direction, strength, (t_us * 1.0, 0.0), (5.0, 5.0), roi)
 
 
-def track_of(box: Box | None, centroid: Point | None) -> Track:
-    track = Track()
+def track_of(box: Box | None, centroid: Point | None) -> TargetTrack:
+    track = TargetTrack()
     track.add(0, None, None)
     track.add(IN_VIEW_US[0], box, centroid)
     track.add(IN_VIEW_US[1], box, centroid)
@@ -83,7 +83,7 @@ def test_the_true_direction_may_be_a_string() -> None:
 
 
 def test_without_estimates_there_are_no_scores() -> None:
-    found = score_estimates([], "up", (0, 0), Track())
+    found = score_estimates([], "up", (0, 0), TargetTrack())
     assert found["direction"] == "none"
     assert found["steps_in_view"] == 0
     nothing = {name for name, value in found.items() if value is None}
@@ -98,4 +98,4 @@ def test_a_track_holds_each_sample_until_the_next() -> None:
     assert track.box_px(100_000) == track.box_px(200_000) == (1, 2, 3, 4)
     assert track.centroid_px(200_000) == (2.0, 3.0)
     assert track.box_px(400_000) is None
-    assert Track().in_view_us == (0, 0)
+    assert TargetTrack().in_view_us == (0, 0)

@@ -11,7 +11,7 @@ from detector.estimate import MotionEstimate
 from detector.metrics import Box
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, gives_velocity
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.study.results import MethodRun, SequenceResult, Snapshot
 
 METHODS = (FLY, FRAME_FLY, CONTRAST)
@@ -47,7 +47,7 @@ def make_estimate(method: str, t_us: int, hs: float, speed_px_s: float) -> Motio
 
 def make_run(method: str, seed: int, *, hs: float = 0.5, speed_px_s: float = 400.0) -> MethodRun:
     """Make a run with an estimate every 50 ms: about `hs` in view, and 0 outside."""
-    track = Track()
+    track = TargetTrack()
     for t_us in range(0, DURATION_US, 10_000):
         in_view = IN_VIEW_US[0] <= t_us <= IN_VIEW_US[1]
         track.add(t_us, (8, 6, 22, 14) if in_view else None, (15.0, 10.0) if in_view else None)

@@ -1,4 +1,5 @@
-"""The evaluation of a sequence of synthetic samples; `test_study` evaluates a rendered one."""
+"""The evaluation of a sequence of synthetic samples; `tests/scenarios/commands/test_study.py`
+evaluates a rendered one."""
 
 from dataclasses import replace
 

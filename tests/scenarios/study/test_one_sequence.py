@@ -4,7 +4,7 @@ import pytest
 
 from scenarios.pipeline.registry import FLY, FRAME_FLY
 from scenarios.study import one_sequence
-from scenarios.study.one_sequence import SequenceTask, run_sequence
+from scenarios.study.one_sequence import SequenceTask, evaluate_crossing
 from sim import CrossingConfig
 from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 
@@ -19,7 +19,7 @@ def test_rendering_ahead_is_a_part_of_the_progress(
     monkeypatch.setattr(type(CROSSING), "render_ahead", lambda _: iter(ahead_us))
     monkeypatch.setattr(type(CROSSING), "samples", lambda _: bar_samples())
     progress: list[float] = []
-    run_sequence(TASK, lambda done, whole: progress.append(done / whole))
+    evaluate_crossing(TASK, lambda done, whole: progress.append(done / whole))
     assert progress == sorted(progress)
     assert len(progress) == len(ahead_us) + 100
     rendered_us = ahead_us[-1] if ahead_us else 0

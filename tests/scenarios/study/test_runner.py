@@ -23,11 +23,11 @@ def test_nights_run_first_and_results_keep_the_order(
 ) -> None:
     begun: list[str] = []
 
-    def run_sequence(task: SequenceTask, progress: object) -> str:
+    def evaluate_crossing(task: SequenceTask, progress: object) -> str:
         begun.append(task.name)
         return task.name
 
-    monkeypatch.setattr(runner, "run_sequence", run_sequence)
+    monkeypatch.setattr(runner, "evaluate_crossing", evaluate_crossing)
     progress: list[tuple[int, int]] = []
     found: list[object] = list(
         run_sequences(tasks(), jobs=1, progress=lambda *at: progress.append(at))

@@ -11,7 +11,7 @@ from scenarios.study.statistics import (
 )
 
 
-def test_the_interval_uses_student_s_t() -> None:
+def test_the_interval_uses_students_t() -> None:
     found = mean_interval([1.0, 2.0, 3.0, 4.0, 5.0])
     assert found is not None
     # t with 4 degrees of freedom at 97.5 % is 2.776; s = √2.5

@@ -9,7 +9,7 @@ from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.run_config import RunConfig, flatten
 from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
-from scenarios.pipeline.scoring import Track, score_estimates
+from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import EventTally, truth_summary
 from scenarios.sweep.measure import (
     MAX_TASK_POINTS,
@@ -45,7 +45,7 @@ def task(*configs: RunConfig, cache: CacheOptions) -> Task:
 def run_alone(config: RunConfig, cache: CacheOptions) -> Results:
     """Run one point as `flybench run` does."""
     crossing, detector = make_crossing(config, cache.open()), make_detector(config)
-    tally, track, estimates = EventTally(), Track(), []
+    tally, track, estimates = EventTally(), TargetTrack(), []
     for step in run_steps(config, crossing, detector, Stopwatch()):
         tally.add(step.output)
         add_truth(track, step.sample.truth)
@@ -64,7 +64,7 @@ def test_every_point_has_the_same_results_as_alone(cache: CacheOptions) -> None:
     assert together[0]["detector.direction"] == "right"  # type: ignore[index]
 
 
-def test_one_failing_point_leaves_the_others_unharmed(cache: CacheOptions) -> None:
+def test_one_failing_point_does_not_affect_the_others(cache: CacheOptions) -> None:
     failing = replace(FLY, method="tests.scenarios.sweep.quick_sweep:FailingDetector", fly=None)
     good, bad = measure_task(task(FLY, failing, cache=cache))
     assert good == measure_task(task(FLY, cache=cache))[0]

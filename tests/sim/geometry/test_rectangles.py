@@ -8,11 +8,11 @@ from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rectangles import (
     MARGIN_PX,
     Rectangle,
-    hull,
-    merged,
-    points_rectangle,
+    enclosing_rectangle,
+    image_rectangle,
+    merge_overlapping,
     rectangle_around,
-    whole,
+    rectangle_of_points,
 )
 
 F64 = npt.NDArray[np.float64]
@@ -25,14 +25,18 @@ def test_a_rectangle_has_whole_pixels_and_a_margin_inside_the_image() -> None:
     m = MARGIN_PX
     span = rectangle_around(np.array([10.2, 20.0]), np.array([30.0, 40.7]), LENS)
     assert span == (10 - m, 20 - m, 30 + m, 41 + m)
-    assert rectangle_around(np.array([-9.0, -9.0]), np.array([999.0, 999.0]), LENS) == whole(LENS)
+    assert rectangle_around(
+        np.array([-9.0, -9.0]), np.array([999.0, 999.0]), LENS
+    ) == image_rectangle(LENS)
     assert rectangle_around(np.array([346.0 + m, 0.0]), np.array([400.0, 9.0]), LENS) is None
 
 
 def test_points_on_both_sides_of_the_camera_fill_the_image() -> None:
     before, behind = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, -9.0, 1.0]])
-    assert points_rectangle(np.concatenate([before, behind]), POSE, LENS) == whole(LENS)
-    assert points_rectangle(behind, POSE, LENS) is None
+    assert rectangle_of_points(np.concatenate([before, behind]), POSE, LENS) == image_rectangle(
+        LENS
+    )
+    assert rectangle_of_points(behind, POSE, LENS) is None
 
 
 def random_rectangles(count: int, seed: int) -> list[Rectangle]:
@@ -53,15 +57,15 @@ def painted(rectangles: list[Rectangle]) -> npt.NDArray[np.int64]:
 @pytest.mark.parametrize("seed", range(5))
 def test_merged_rectangles_hold_the_same_pixels_and_do_not_overlap(count: int, seed: int) -> None:
     rectangles = random_rectangles(count, seed)
-    apart = merged(rectangles)
+    apart = merge_overlapping(rectangles)
     assert painted(apart).max() == min(count, 1)
     assert (painted(apart) >= np.minimum(painted(rectangles), 1)).all()
     assert len(apart) <= count
-    assert hull(apart) == hull(rectangles)
+    assert enclosing_rectangle(apart) == enclosing_rectangle(rectangles)
 
 
 def test_rectangles_that_do_not_overlap_are_unchanged() -> None:
     rectangles = [(0, 0, 5, 5), (5, 0, 9, 5), (0, 5, 9, 7)]
     for order in (rectangles, rectangles[::-1]):
-        assert merged(order) == order
-    assert hull([]) == (0, 0, 0, 0)
+        assert merge_overlapping(order) == order
+    assert enclosing_rectangle([]) == (0, 0, 0, 0)

@@ -77,7 +77,7 @@ def test_the_transform_into_a_frame_takes_its_origin_to_zero() -> None:
 def test_in_the_cameras_frame_points_are_where_it_projects_them() -> None:
     lens, pose = Intrinsics(), Pose(np.array([1.0, -7.0, 1.2])).rolled(0.3)
     points = np.random.default_rng(4).uniform(-2, 2, (20, 3))
-    x, y, z = pose.into @ np.column_stack([points, np.ones(20)]).T
+    x, y, z = pose.world_to_camera @ np.column_stack([points, np.ones(20)]).T
     pixels, depth = project(points, pose, lens)
     np.testing.assert_allclose(z, depth)
     np.testing.assert_allclose(lens.width / 2 + lens.focal_px * x / z, pixels[:, 0])

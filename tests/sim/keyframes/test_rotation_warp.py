@@ -12,7 +12,7 @@ F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
 LENS = Intrinsics(width=80, height=60, focal_px=90.0)
-WIDE = LENS.grown(12)
+WIDE = LENS.with_margin(12)
 STEADY = Pose(np.array([0.0, -5.0, 1.0]))
 
 

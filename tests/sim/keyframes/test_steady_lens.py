@@ -22,7 +22,7 @@ def test_the_border_of_every_shaken_image_is_inside_the_steady_image(rms_deg: fl
     assert wide.focal_px == SHAKE_SCALE * LENS.focal_px
     border = [(x, y) for x in (0, 40, 80) for y in (0, 30, 60) if (x, y) != (40, 30)]
     for t_s in TIMES_S:
-        rotation = scene.pose.into[:, :3] @ scene.pose_at(t_s).into[:, :3].T
+        rotation = scene.pose.world_to_camera[:, :3] @ scene.pose_at(t_s).world_to_camera[:, :3].T
         for x, y in border:
             ray = rotation @ [(x - 40) / LENS.focal_px, (y - 30) / LENS.focal_px, 1]
             column, row = wide.focal_px * ray[:2] / ray[2] + [wide.width / 2, wide.height / 2]

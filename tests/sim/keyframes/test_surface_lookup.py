@@ -113,9 +113,9 @@ def test_the_albedo_of_a_wheel_rotates_with_it_and_its_illumination_does_not() -
     store = KeyframeStore(plan, (vehicle,), render, carriers=carriers, per_pixel=size)
     store.advance(500)
     # The disc's centre lies on the optical axis, so that it turns about itself.
-    half_turn = np.column_stack([np.diag([-1.0, -1.0, 1.0]), [0, 0, MOVER_M]])
+    sine_and_cosine = np.column_stack([np.diag([-1.0, -1.0, 1.0]), [0, 0, MOVER_M]])
     background = flat_background(BACKGROUND_M, np.array([10.0]), supersample=size)
-    views = np.stack([np.eye(3, 4), half_turn, view_at()])
+    views = np.stack([np.eye(3, 4), sine_and_cosine, view_at()])
     surfaces = store.surfaces(500, views, flicker=1.0)
     image = composited(background, effects(1.0), surfaces, label, nearness_of(label))
     for off in (-8, -3, 0, 5, 9):

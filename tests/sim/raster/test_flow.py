@@ -35,7 +35,7 @@ def wall_views(model: mujoco.MjModel, t_s: float, pose: Pose = EYE) -> F64:
     data = mujoco.MjData(model)
     data.qpos[:] = SPEED_M_S * t_s
     mujoco.mj_kinematics(model, data)
-    return compose_transforms(body_poses(data), pose.into)
+    return compose_transforms(body_poses(data), pose.world_to_camera)
 
 
 def wall_flow(half_m: float, step_s: float = 1e-5) -> tuple[npt.NDArray[np.float32], F64]:
@@ -94,7 +94,7 @@ def test_camera_rotation_gives_rotational_flow_at_any_depth() -> None:
         return Pose(EYE.position_m, frame[:, 0], -frame[:, 1])
 
     poses, step_s = body_poses(data), 1e-5
-    views = [compose_transforms(poses, turned(t).into) for t in (-step_s, 0.0, step_s)]
+    views = [compose_transforms(poses, turned(t).world_to_camera) for t in (-step_s, 0.0, step_s)]
     visible = visibility_map(triangle_soup(model), poses, EYE, LENS)
     assert len(np.unique(visible.body)) == 2
     twists = twists_between(views[0], views[1], views[2], 2 * step_s)

@@ -41,7 +41,7 @@ def differing(model: mujoco.MjModel, data: mujoco.MjData, pose: Pose, lens: Intr
         renderer.update(data)
         reference = renderer.segmentation(pose, (0, 0, lens.width, lens.height))
     soup = triangle_soup(model)
-    triangles = soup.transformed(compose_transforms(body_poses(data), pose.into))
+    triangles = soup.transformed(compose_transforms(body_poses(data), pose.world_to_camera))
     _, triangle = rasterise_image(triangles, lens, 1)
     geom = np.append(soup.geom, -1)[triangle]
     assert len(np.unique(reference)) > 7

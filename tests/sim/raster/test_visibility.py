@@ -98,7 +98,7 @@ def rasterise_subpixels(
     label = np.full(nearness.shape, NO_LABEL, np.int32)
     for soup in (static, movers):
         label.fill(NO_LABEL)
-        triangles = soup.transformed(compose_transforms(poses, POSE.into))
+        triangles = soup.transformed(compose_transforms(poses, POSE.world_to_camera))
         centre = LENS.width * size / 2, LENS.height * size / 2
         projected, source = project_triangles(triangles, LENS.focal_px * size, *centre, NEAR_M)
         rasterise(projected, soup.body[source], x0, y0, nearness, label, True)

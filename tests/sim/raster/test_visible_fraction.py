@@ -32,7 +32,7 @@ def visible_fraction(x_m: float, half_m: float = 1.0, hidden: int = 0) -> float:
     soup, poses = box(x_m, half_m)
     labels = visibility_map(soup, poses, EYE, LENS).body.astype(np.int8)
     labels[:, :hidden] = -1
-    views = compose_transforms(poses, EYE.into)
+    views = compose_transforms(poses, EYE.world_to_camera)
     return VisibleFraction(soup).measure(views, LENS, labels, 1)
 
 

@@ -106,10 +106,10 @@ def test_a_dipped_beam_lights_a_wall_up_to_the_height_of_the_lamp_and_no_higher(
         renderer.update(data)
         image = renderer.luminance(pose, WHOLE)
     assert image[:23].max() < 1e-3
-    row = 24 + round(LENS.focal_px * lighting.HOT_DIP)
-    cosine = np.cos(np.arctan(lighting.HOT_DIP))
-    hot_lux = lighting.HOT_CD * cosine**3 / 10**2
-    spread_lux = lighting.SPREAD_CD / 10**2
+    row = 24 + round(LENS.focal_px * lighting.BEAM_CENTRE_DIP)
+    cosine = np.cos(np.arctan(lighting.BEAM_CENTRE_DIP))
+    hot_lux = lighting.BEAM_CENTRE_CD * cosine**3 / 10**2
+    spread_lux = lighting.BEAM_WIDE_CD / 10**2
     assert 0.95 * hot_lux < image[row, 32] * np.pi < 1.02 * (hot_lux + spread_lux)
     assert image[row, 2] * np.pi < 0.1 * spread_lux
 

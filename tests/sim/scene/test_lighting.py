@@ -71,7 +71,7 @@ def test_at_dusk_lamps_and_sky_add_up_to_the_illuminance(lux: float, sky_lux: fl
 
 def test_a_dipped_beam_lights_nothing_above_its_lamp() -> None:
     for dip, cutoff_deg in (
-        (light.HOT_DIP, light.HOT_CUTOFF_DEG),
-        (light.SPREAD_DIP, light.SPREAD_CUTOFF_DEG),
+        (light.BEAM_CENTRE_DIP, light.BEAM_CENTRE_CUTOFF_DEG),
+        (light.BEAM_WIDE_DIP, light.BEAM_WIDE_CUTOFF_DEG),
     ):
         assert math.degrees(math.atan(dip)) > cutoff_deg

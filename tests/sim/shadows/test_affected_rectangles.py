@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.geometry.pinhole import Intrinsics, Pose, project
-from sim.geometry.rectangles import Rectangle, whole
+from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.geometry.rigid_transform import axes_along
 from sim.shadows.affected_rectangles import BEAM_REACH_M, beam_rectangle, shadow_rectangle
 from sim.shadows.shadow_maps import ShadowSource
@@ -65,7 +65,7 @@ def test_a_shadow_lies_in_its_rectangle(seed: int) -> None:
         down = random.uniform(size=(300, 1)) * to_ground[:, None]
         if (to_ground > 0).all():
             assert holds(rectangle, caster + down * away)
-        small += rectangle is not None and rectangle != whole(LENS)
+        small += rectangle is not None and rectangle != image_rectangle(LENS)
     assert small >= 3
 
 
@@ -87,5 +87,5 @@ def test_a_beam_lies_in_its_rectangle(seed: int) -> None:
         lit = position + reach * (direction + across)
         rectangle = beam_rectangle(position, direction, angle, POSE, LENS)
         assert holds(rectangle, lit[lit[:, 2] >= 0])
-        small += rectangle is not None and rectangle != whole(LENS)
+        small += rectangle is not None and rectangle != image_rectangle(LENS)
     assert small >= 3

@@ -1,4 +1,5 @@
-"""The shadow of a box over level ground lies where geometry says, for the sun and for a lamp."""
+"""The shadow of a box over level ground lies where the geometry predicts, for the sun and for a
+lamp."""
 
 import mujoco
 import numpy as np
@@ -60,7 +61,9 @@ class World:
             1.0,
             maps=maps,
             sizes=np.array([made.size]),
-            views=compose_transforms(inverse_transform(pose_above(HEIGHT_M).into), made.view)[None],
+            views=compose_transforms(
+                inverse_transform(pose_above(HEIGHT_M).world_to_camera), made.view
+            )[None],
             light=np.array([0]),
             is_sun=np.array([source.is_sun]),
             shadow_areas=np.array([[0, 0, LENS.width, LENS.height]]),

@@ -130,7 +130,7 @@ def test_the_shake_affects_the_image_velocity_but_not_the_angular_velocity() -> 
 def test_visibility_accounts_for_the_image_border_and_for_occlusion() -> None:
     """Compared with each object alone before a camera with a much larger sensor."""
     _, probe = scene_and_probe(distractors=EVERYTHING)
-    wide = TruthProbe(probe.geometry.scene, LENS.grown(2_000))
+    wide = TruthProbe(probe.geometry.scene, LENS.with_margin(2_000))
     for t_s in (-0.4, 0.0, 0.2):
         truth = truth_at(probe, t_s)
         for found, item in zip(truth.objects, probe.geometry.scene.objects, strict=True):
@@ -144,7 +144,9 @@ def test_visibility_accounts_for_the_image_border_and_for_occlusion() -> None:
 
 def _area(soup: TriangleSoup, wide: TruthProbe, t_s: float) -> int:
     scene = wide.geometry.scene
-    seen = visibility_map(soup, wide.geometry.poses_in_world(t_s), scene.pose, LENS.grown(2_000))
+    seen = visibility_map(
+        soup, wide.geometry.poses_in_world(t_s), scene.pose, LENS.with_margin(2_000)
+    )
     return int((seen.body >= 0).sum())
 
 

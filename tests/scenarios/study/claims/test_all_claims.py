@@ -59,7 +59,7 @@ def make_table(*, where: dict[str, Any] | None = None, **changes: Any) -> list[R
     return rows
 
 
-def test_all_claims_but_one_hold_for_numbers_like_the_paper_s() -> None:
+def test_all_claims_but_one_hold_for_the_papers_numbers() -> None:
     found = evaluate_claims(make_table())
     assert len(found) == len(CLAIMS)
     untested = [claim for claim in found if claim.holds != "holds"]
@@ -76,16 +76,21 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
 @pytest.mark.parametrize(
     ("claim", "where", "changed", "holds"),
     [
-        (direction.fly_is_right, {"method": FLY}, {"verdict": "left"}, "does not hold"),
+        (direction.fly_finds_direction, {"method": FLY}, {"verdict": "left"}, "does not hold"),
         (
-            direction.fly_is_right,
+            direction.fly_finds_direction,
             {"method": FLY, "omega_rad_s": 2.0},
             {"verdict": "none"},
             "holds in part",
         ),
-        (direction.contrast_is_right, {"method": CONTRAST}, {"verdict": "up"}, "does not hold"),
         (
-            direction.fly_holds_by_night,
+            direction.contrast_finds_direction,
+            {"method": CONTRAST},
+            {"verdict": "up"},
+            "does not hold",
+        ),
+        (
+            direction.fly_responds_at_night,
             {"method": FLY, "lighting": NIGHT},
             {"accuracy_after_100ms": 0.94},
             "does not hold",
@@ -97,26 +102,26 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
             "holds in part",
         ),
         (
-            direction.frames_fail_by_night,
+            direction.frame_fly_fails_at_night,
             FRAMES | {"lighting": NIGHT},
             {"accuracy_after_100ms": 0.8},
             "does not hold",
         ),
         (
-            direction.frames_fail_by_night,
+            direction.frame_fly_fails_at_night,
             FRAMES | {"lighting": NIGHT},
             {"accuracy_after_100ms": 0.6},
             "holds in part",
         ),
         (
-            direction.frames_fail_by_night,
+            direction.frame_fly_fails_at_night,
             FRAMES | {"lighting": DAY},
             {"accuracy_after_100ms": 0.3},
             "holds in part",
         ),
-        (direction.attention_finds_it, {"method": FLY}, {"roi_iou": 0.49}, "does not hold"),
+        (direction.region_encloses_vehicle, {"method": FLY}, {"roi_iou": 0.49}, "does not hold"),
         (
-            direction.attention_finds_it,
+            direction.region_encloses_vehicle,
             {"method": FLY, "lighting": DAY},
             {"roi_iou": 0.2},
             "holds in part",
@@ -142,7 +147,7 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
             "does not hold",
         ),
         (
-            response.frames_get_uneven,
+            response.frame_response_less_smooth,
             FRAMES | {"lighting": DAY, "omega_rad_s": 2.0},
             {"response_variation": 0.1},
             "does not hold",
@@ -155,13 +160,13 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
         ),
         (response.grms_rises, {"method": FLY}, {"grms": 50.0}, "not tested"),
         (
-            response.contrast_knows_velocity,
+            response.contrast_velocity_rises,
             {"method": CONTRAST, "omega_rad_s": 2.0},
             {"velocity_bias_px_s": -590.0},
             "does not hold",
         ),
         (
-            response.frames_are_few_by_night,
+            response.frames_are_few_at_night,
             FRAMES | {"lighting": NIGHT},
             {"estimates": 9},
             "does not hold",
@@ -179,7 +184,7 @@ def test_a_claim_fails_if_the_numbers_contradict_it(
 
 
 @pytest.mark.parametrize("claim", CLAIMS)
-def test_without_the_paper_s_methods_no_claim_is_tested(claim: Any) -> None:
+def test_without_the_papers_methods_no_claim_is_tested(claim: Any) -> None:
     rows = [make_row(DAY, 1.0, "mine:Own", 0)]
     assert claim(rows).holds == "not tested"
 
@@ -189,13 +194,15 @@ def test_the_evidence_gives_the_numbers() -> None:
     assert "takes the fly 1 ms (1 to 1), and contrast maximisation 50 ms (50 to 50)" in (
         claim.evidence
     )
-    claim = direction.fly_is_right(make_table(where={"method": FLY, "seed": 1}, verdict="none"))
+    claim = direction.fly_finds_direction(
+        make_table(where={"method": FLY, "seed": 1}, verdict="none")
+    )
     assert "correct in 6 of 12 runs" in claim.evidence
 
 
 def test_the_model_without_our_floor_is_used_if_it_ran() -> None:
     rows = [row for row in make_table() if row["method"] != FLOORLESS_FRAME_FLY]
-    claim = direction.frames_fail_by_night(rows)
+    claim = direction.frame_fly_fails_at_night(rows)
     assert claim.holds == "holds"
     assert "With our floor" not in claim.evidence
-    assert "With our floor" in direction.frames_fail_by_night(make_table()).evidence
+    assert "With our floor" in direction.frame_fly_fails_at_night(make_table()).evidence

@@ -8,7 +8,7 @@ def test_our_methods_differ_in_name_colour_and_marker() -> None:
         assert len(set(values)) == len(styles)
 
 
-def test_a_user_s_class_has_its_own_name_and_a_fixed_style() -> None:
+def test_a_users_class_has_its_own_name_and_a_fixed_style() -> None:
     assert method_style("a.b:C").label == "a.b:C"
     assert method_style("a.b:C") == method_style("a.b:C")
     ours = {method_style(method).colour for method in DETECTORS}
