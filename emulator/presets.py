@@ -73,7 +73,9 @@ def _davis240() -> SensorConfig:
 
     Thresholds, noise and frames are assumed to be those of the DAVIS346, which has the same pixel.
     """
-    return SensorConfig(width=240, height=180, pixel_pitch_um=18.5, theta_mismatch=0.035)
+    return SensorConfig(
+        width=240, height=180, pixel_pitch_um=18.5, focal_length_mm=6.0, theta_mismatch=0.035
+    )
 
 
 def _dvs128() -> SensorConfig:
@@ -86,6 +88,7 @@ def _dvs128() -> SensorConfig:
         width=128,
         height=128,
         pixel_pitch_um=40.0,
+        focal_length_mm=6.0,
         theta_mismatch=0.021,
         readout=ReadoutConfig(limit_hz=1e6),
     )
@@ -97,7 +100,7 @@ def _atis() -> SensorConfig:
     Its change detector alone: the exposure measurement that each event starts is not modelled.
     Assumed: the row arbiter and the bus of the DAVIS346, in place of a handshake for every event.
     """
-    return SensorConfig(width=304, height=240, pixel_pitch_um=30.0)
+    return SensorConfig(width=304, height=240, pixel_pitch_um=30.0, focal_length_mm=6.0)
 
 
 def _dvxplorer() -> SensorConfig:
@@ -109,6 +112,7 @@ def _dvxplorer() -> SensorConfig:
         width=640,
         height=480,
         pixel_pitch_um=9.0,
+        focal_length_mm=6.0,
         readout=ReadoutConfig(kind=ReadoutKind.SCAN, scan_period_us=194),
     )
 
@@ -119,7 +123,11 @@ def _gen31() -> SensorConfig:
     Assumed: its readout is the row arbiter.
     """
     return SensorConfig(
-        width=640, height=480, pixel_pitch_um=15.0, readout=ReadoutConfig(limit_hz=66e6)
+        width=640,
+        height=480,
+        pixel_pitch_um=15.0,
+        focal_length_mm=6.0,
+        readout=ReadoutConfig(limit_hz=66e6),
     )
 
 
@@ -130,7 +138,11 @@ def _imx636() -> SensorConfig:
     modelled; a lower `readout.limit_hz` stands for a limited rate.
     """
     return SensorConfig(
-        width=1280, height=720, pixel_pitch_um=4.86, readout=ReadoutConfig(limit_hz=1.066e9)
+        width=1280,
+        height=720,
+        pixel_pitch_um=4.86,
+        focal_length_mm=6.0,
+        readout=ReadoutConfig(limit_hz=1.066e9),
     )
 
 

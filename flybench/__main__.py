@@ -1,10 +1,21 @@
 """The command: `flybench`, or `python -m flybench`."""
 
+import atexit
+import os
+import shutil
 import sys
+import tempfile
+from pathlib import Path
+
+from flybench.version import __version__
 
 
 def main() -> None:
     """Run the command, or print the name of the library that is missing."""
+    if sys.argv[1:] == ["--version"]:
+        print(f"flybench {__version__}")
+        return
+    _give_matplotlib_a_folder()
     try:
         from scenarios.cli import main as run
     except ModuleNotFoundError as error:
@@ -14,6 +25,17 @@ def main() -> None:
             "Install all that it needs with: pip install 'flybench[all]'"
         )
     run()
+
+
+def _give_matplotlib_a_folder() -> None:
+    """Give Matplotlib a temporary folder if the home folder cannot be written to.
+
+    Matplotlib would otherwise print two lines of advice before every command.
+    """
+    home = Path.home()
+    if "MPLCONFIGDIR" not in os.environ and not os.access(home, os.W_OK):
+        os.environ["MPLCONFIGDIR"] = folder = tempfile.mkdtemp(prefix="flybench-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
 
 
 if __name__ == "__main__":

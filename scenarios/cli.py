@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 from tyro.conf import subcommand
@@ -45,9 +44,6 @@ Commands = (
 
 def main() -> None:
     """Run `flybench`."""
-    if sys.argv[1:] == ["--version"]:
-        print(f"flybench {__version__}")
-        return
     run_cli(Commands, prog="flybench", description=DESCRIPTION)
 
 

@@ -41,7 +41,7 @@ LAYERS = {
         "errors columns identify readers parser_process isolated_reader event_file writers"
     ),
     "scenarios": (
-        "errors options output pipeline options.method recording runs datasheet convergence "
+        "errors output pipeline options recording runs datasheet convergence "
         "detect emulate envelope sweep velocity_sweep study commands cli"
     ),
 }

@@ -19,13 +19,14 @@ from scenarios.commands.view import is_recording
 from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, EstimateTable
 from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
-from scenarios.detect.run_detector import RecordingSlice, fly_maps, run_detector
+from scenarios.detect.run_detector import RecordingSlice, run_detector
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import EVENTS
 from scenarios.output.terminal import run_cli
+from scenarios.pipeline.feeding import fly_maps
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder

@@ -12,7 +12,7 @@ from detector.fly.detector import FlyMaps
 from emulator import ApsFrame
 from flybench.events import Events, empty_events
 from formats import Chunk, EventFile
-from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.feeding import feed, fly_maps
 
 SLICE_US = 10_000
 """Duration of a slice [µs]: the detectors' hop, so that a fly's maps belong to its estimate."""
@@ -73,12 +73,6 @@ def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice
     if start_us is not None:
         estimates = feed(detector, empty_events(), until_us=now_us + 1, earlier=last)
         yield _recording_slice(empty_events(), (), estimates, detector, start_us)
-
-
-def fly_maps(detector: Detector) -> FlyMaps | None:
-    """Return the maps of a fly at its last estimate; None for other detectors."""
-    maps = getattr(detector, "maps", None)
-    return maps if isinstance(maps, FlyMaps) else None
 
 
 def _recording_slice(

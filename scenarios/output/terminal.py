@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.errors import FlybenchError
-from scenarios.options.repetition import check_repetition
+from scenarios.output.repetition import check_repetition
 
 
 class Command(Protocol):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from detector import Detector, FrameDetector, MotionEstimate
+from detector import Detector, FlyMaps, FrameDetector, MotionEstimate
 from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import Events
@@ -58,6 +58,12 @@ def feed(
     estimates += _checked(detector, "advance", detector.advance(until_us))
     _check_order(detector, [*earlier[-1:], *estimates])
     return estimates
+
+
+def fly_maps(detector: Detector) -> FlyMaps | None:
+    """Return the maps of a fly at its last estimate; None for other detectors."""
+    maps = getattr(detector, "maps", None)
+    return maps if isinstance(maps, FlyMaps) else None
 
 
 def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstimate]:

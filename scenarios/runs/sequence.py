@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from detector.estimate import Detector, MotionEstimate
-from detector.fly.detector import FlyMaps
 from emulator import SensorOutput
 from formats import ENDINGS, EventWriter, open_writer
 from formats.writers.dsec import DsecWriter
@@ -27,6 +26,7 @@ from scenarios.output.tables import (
     truth_row,
     write_table,
 )
+from scenarios.pipeline.feeding import fly_maps
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import (
     TOTAL,
@@ -166,7 +166,7 @@ def _recorder(
     extra: Sequence[ExtraDetector],
 ) -> SequenceRecorder:
     detectors = {config.method: detector} | {other.method: other.detector for other in extra}
-    maps_of = next((name for name, d in detectors.items() if _maps(d) is not None), None)
+    maps_of = next((name for name, d in detectors.items() if fly_maps(d) is not None), None)
     return SequenceRecorder(
         work / RECORDING,
         crossing=crossing,
@@ -185,7 +185,7 @@ def _log_estimates(
 ) -> None:
     with watch.stage("record"):
         for estimate in estimates:
-            recorder.log_estimate(method, estimate, _maps(detector))
+            recorder.log_estimate(method, estimate, fly_maps(detector))
 
 
 def _extra_scores(
@@ -196,9 +196,3 @@ def _extra_scores(
         | score_estimates(other.estimates, config.crossing.direction, track.in_view_us, track)
         for other in extra
     ]
-
-
-def _maps(detector: Detector) -> FlyMaps | None:
-    """Return the fly's maps at its last estimate; None for other detectors."""
-    maps = getattr(detector, "maps", None)
-    return maps if isinstance(maps, FlyMaps) else None

@@ -13,7 +13,7 @@ from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyMaps
 from emulator import ApsFrame, SensorOutput
 from flybench.events import EVENT_DTYPE, Events, concatenate_events
-from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.feeding import feed, fly_maps
 from scenarios.pipeline.registry import CONTRAST, DETECTORS
 from scenarios.pipeline.user_detectors import find_method
 
@@ -57,8 +57,7 @@ class TimedDetector:
     @property
     def maps(self) -> FlyMaps | None:
         """Maps of a fly at its last estimate; None for other detectors."""
-        maps = getattr(self.detector, "maps", None)
-        return maps if isinstance(maps, FlyMaps) else None
+        return fly_maps(self.detector)
 
     @property
     def config(self) -> Any | None:

@@ -70,7 +70,7 @@ def split_into_parts(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -
 
 def wheel_bodies(obj: MovingObject) -> list[int]:
     """Return the numbers of the bodies that rotate continuously: a vehicle's wheels."""
-    return [int(b) for b in obj.bodies if b != obj.root] if obj.has_wheels else []
+    return [int(b) for b in obj.wheels]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.scene import lighting as light
+from sim.scene import lighting
 from sim.scene.facade_style import (
     DOORS,
     GLASS_RGB,
@@ -82,7 +82,7 @@ class FacadeBuilder:
         )
         material = _material(self._spec, LIT_WINDOW + name, GLASS_RGB)
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_EMISSIVE] = texture
-        light.set_luminance(material, luminance, colour)
+        lighting.set_luminance(material, luminance, colour)
 
     def _house(self, number: int, left: float, width: float, wall: tuple[str, float, Rgb]) -> None:
         rng = self._rng

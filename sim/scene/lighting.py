@@ -79,7 +79,7 @@ class Flicker:
         return 1.0 + self.depth * math.cos(2 * math.pi * self.rate_hz * t_s)
 
 
-def add_light(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
+def add_lights(spec: mujoco.MjSpec, config: CrossingConfig) -> None:
     """Add the lights of the street, so that the road gets the configured illuminance.
 
     By day these are sun and sky, at night the street lamps, and at dusk the sky and the street

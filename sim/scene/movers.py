@@ -116,7 +116,6 @@ def _find_target(street: CompiledStreet) -> Found:
         TARGET,
         str(street.config.vehicle),
         street.root(TARGET_PREFIX),
-        has_wheels=True,
     )
     yield item, rolling(street.model, TARGET_PREFIX, street.path)
 
@@ -136,7 +135,6 @@ def _find_far_vehicle(street: CompiledStreet) -> Found:
         FAR_VEHICLE,
         str(extra.far_vehicle_kind),
         street.root(FAR_PREFIX),
-        has_wheels=True,
     )
     yield item, rolling(street.model, FAR_PREFIX, path)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import mujoco
@@ -28,7 +28,7 @@ class MovingObject:
             object for every position of its limbs, wheels and boughs [m].
         lamps: (k,) numbers of the lamps that move with it.
         has_limbs: True if parts swing or sway while the root hardly moves.
-        has_wheels: True if all bodies except the root turn about fixed axles.
+        wheels: (w,) numbers of the bodies that turn about a hinge named "wheel_…".
     """
 
     name: str
@@ -38,8 +38,8 @@ class MovingObject:
     geoms: Numbers
     box_m: F64
     lamps: Numbers
+    wheels: Numbers = field(default_factory=lambda: np.empty(0, np.int64))
     has_limbs: bool = False
-    has_wheels: bool = False
 
     def corners_m(self, data: mujoco.MjData) -> F64:
         """Return the (8, 3) world corners of its box [m].
@@ -49,6 +49,11 @@ class MovingObject:
         """
         turned = self._corners_m @ data.xmat[self.root].reshape(3, 3).T
         return np.asarray(turned + data.xpos[self.root])
+
+    @property
+    def has_wheels(self) -> bool:
+        """True if parts turn about axles while the object moves."""
+        return bool(self.wheels.size)
 
     @cached_property
     def _corners_m(self) -> F64:
@@ -63,7 +68,6 @@ def moving_object(
     *,
     excursion_m: float = 0.0,
     has_limbs: bool = False,
-    has_wheels: bool = False,
 ) -> MovingObject:
     """Return the moving object whose root body is `root`.
 
@@ -74,7 +78,6 @@ def moving_object(
         root: number of its root body.
         excursion_m: distance that parts move beyond their rest positions [m].
         has_limbs: True if parts swing or sway.
-        has_wheels: True if all bodies except the root are wheels.
     """
     bodies = descendants(model, root)
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, bodies))
@@ -89,9 +92,16 @@ def moving_object(
         geoms=geoms,
         box_m=_box(model, data, root, geoms) + spare,
         lamps=np.flatnonzero(np.isin(model.light_bodyid, bodies)),
+        wheels=_wheels(model, bodies),
         has_limbs=has_limbs and len(bodies) > 1,
-        has_wheels=has_wheels,
     )
+
+
+def _wheels(model: mujoco.MjModel, bodies: Numbers) -> Numbers:
+    """Return those of some bodies that a hinge named "wheel_…" turns, after any prefix."""
+    names = [model.joint(k).name.rpartition("/")[2] for k in range(model.njnt)]
+    turned = [int(model.jnt_bodyid[k]) for k, n in enumerate(names) if n.startswith("wheel_")]
+    return bodies[np.isin(bodies, turned)]
 
 
 def descendants(model: mujoco.MjModel, root: int) -> Numbers:

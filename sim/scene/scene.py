@@ -16,7 +16,7 @@ from sim.geometry.pinhole import Pose
 from sim.motion.camera_shake import Shake, camera_shake
 from sim.motion.paths import Motion
 from sim.motion.trajectory import Trajectory
-from sim.scene import lighting as light
+from sim.scene import lighting
 from sim.scene.lighting import Flicker
 from sim.scene.movers import add_movers, find_movers, heading
 from sim.scene.moving_objects import MovingObject, box_corners_m
@@ -191,7 +191,7 @@ def _build_spec(config: CrossingConfig) -> tuple[mujoco.MjSpec, tuple[Tree, ...]
     dark, windy = config.lighting is not Lighting.DAY, config.distractors.wind_grade > 0
     spec, trees = build_street(config.street_seed, dark=dark, windy=windy)
     add_movers(spec, config)
-    light.add_light(spec, config)
+    lighting.add_lights(spec, config)
     return spec, trees
 
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from sim.distractors import VehicleKind
-from sim.scene import lighting as light
+from sim.scene import lighting
 from sim.scene.assets import open_asset
 
 Hue = tuple[float, float, float]
@@ -51,7 +51,7 @@ def vehicle(
 
 def painted(hue: Hue, reflectance: float) -> list[float]:
     """Scale a linear colour to a luminance reflectance."""
-    scale = reflectance / light.relative_luminance(hue)
+    scale = reflectance / lighting.relative_luminance(hue)
     return [part * scale for part in hue]
 
 
@@ -67,7 +67,7 @@ def add_vehicle(
 def add_beams(car: mujoco.MjSpec) -> None:
     """Add the dipped beams of a vehicle at its sites "head_lamp…"."""
     lamps = np.array([site.pos for site in car.sites if site.name.startswith("head_lamp")])
-    light.add_head_lamps(root_body(car), lamps)
+    lighting.add_head_lamps(root_body(car), lamps)
 
 
 def add_parked(
@@ -88,7 +88,7 @@ def root_body(car: mujoco.MjSpec) -> mujoco.MjsBody:
 
 def _light_lenses(car: mujoco.MjSpec, *, lit: bool) -> None:
     for name, luminance, glow in (
-        ("head_lamp", light.HEAD_LAMP_CD_M2, light.WHITE),
-        ("tail_lamp", light.TAIL_LAMP_CD_M2, light.TAIL_LAMP_RGB),
+        ("head_lamp", lighting.HEAD_LAMP_CD_M2, lighting.WHITE),
+        ("tail_lamp", lighting.TAIL_LAMP_CD_M2, lighting.TAIL_LAMP_RGB),
     ):
-        light.set_luminance(car.material(name), luminance if lit else 0.0, glow)
+        lighting.set_luminance(car.material(name), luminance if lit else 0.0, glow)

@@ -18,11 +18,11 @@ from tests.digests.commands import CASES as COMMANDS
 from tests.digests.detectors import CASES as DETECTORS
 from tests.digests.exact import Case, digest
 from tests.digests.files import CASES as FILES
-from tests.digests.light import CASES as LIGHT
+from tests.digests.luminance import CASES as LUMINANCE
 from tests.digests.sensor import CASES as SENSORS
 
 FAILED = "failed"
-CASES: dict[str, Case] = LIGHT | SENSORS | DETECTORS | FILES | COMMANDS
+CASES: dict[str, Case] = LUMINANCE | SENSORS | DETECTORS | FILES | COMMANDS
 
 
 def compute(only: str, *, fast: bool) -> dict[str, str]:

@@ -33,8 +33,8 @@ from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, PLANE_FIT, WID
 from sim import CrossingConfig, Lighting
 from tests.digests.detectors import HEIGHT, WIDTH, stream
 from tests.digests.exact import Case
-from tests.digests.light import MODEL
-from tests.digests.sensor import drawn_light
+from tests.digests.luminance import MODEL
+from tests.digests.sensor import moving_box
 
 NO_CACHE = CacheOptions(no_cache=True)
 CLOCKS = ("cpu", "wall", "ms_per_estimate", "ns_per_event")
@@ -198,7 +198,7 @@ def event_camera() -> Any:
 
 def emulated() -> Any:
     """Return the events of grey pictures, with and without interpolated pictures."""
-    levels = [np.clip(image, 0, 255) for _, image in drawn_light(WIDTH, HEIGHT, steps=6)]
+    levels = [np.clip(image, 0, 255) for _, image in moving_box(WIDTH, HEIGHT, steps=6)]
     with TemporaryDirectory() as folder, redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         pictures, out = Path(folder) / "pictures.npy", Path(folder) / "events.npz"
         np.save(pictures, np.array(levels, np.uint8))

@@ -27,10 +27,10 @@ from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.registry import DETECTORS, FLY
 from scenarios.pipeline.user_detectors import find_method
 from tests.digests.exact import Case
-from tests.digests.sensor import drawn_light
+from tests.digests.sensor import moving_box
 
 WIDTH, HEIGHT = 346, 260
-READINGS: dict[str, type[StrEnum]] = {
+MODEL_VARIANTS: dict[str, type[StrEnum]] = {
     "time_surface": SurfaceEvents,
     "averaging": Averaging,
     "offsets": Offsets,
@@ -51,10 +51,10 @@ OTHERS: dict[str, dict[str, Any]] = {
 @lru_cache
 def stream() -> list[SensorOutput]:
     """Return the output of a DAVIS346 for synthetic luminance."""
-    return list(EventSensor(seed=2).stream(drawn_light(WIDTH, HEIGHT)))
+    return list(EventSensor(seed=2).stream(moving_box(WIDTH, HEIGHT)))
 
 
-def said(detector: Detector) -> list[MotionEstimate]:
+def estimates(detector: Detector) -> list[MotionEstimate]:
     """Return all estimates of a detector that reads the stream step by step."""
     estimates: list[MotionEstimate] = []
     until_us = 1
@@ -68,12 +68,12 @@ def said(detector: Detector) -> list[MotionEstimate]:
 
 def of_method(name: str) -> list[MotionEstimate]:
     """Return the estimates of a method."""
-    return said(find_method(name).make(width=WIDTH, height=HEIGHT))
+    return estimates(find_method(name).make(width=WIDTH, height=HEIGHT))
 
 
 def of_fly(config: FlyConfig) -> list[MotionEstimate]:
     """Return the estimates of a fly with other parameters."""
-    return said(FlyDetector(config, width=WIDTH, height=HEIGHT))
+    return estimates(FlyDetector(config, width=WIDTH, height=HEIGHT))
 
 
 def gradients() -> list[float | None]:
@@ -89,7 +89,7 @@ CASES: dict[str, Case] = (
     {f"detector.{name}": Case(partial(of_method, name)) for name in DETECTORS}
     | {
         f"detector.fly.{field}_{value.value}": _fly_case(**{field: value})
-        for field, choices in READINGS.items()
+        for field, choices in MODEL_VARIANTS.items()
         for value in choices
         if value != getattr(FlyConfig(), field)
     }

@@ -41,7 +41,7 @@ SENSORS: dict[str, SensorConfig] = {name: preset(name) for name in get_args(Pres
 }
 
 
-def drawn_light(width: int, height: int, *, steps: int = STEPS) -> Iterator[tuple[int, Image]]:
+def moving_box(width: int, height: int, *, steps: int = STEPS) -> Iterator[tuple[int, Image]]:
     """A textured box that moves to the right before a textured wall, in dim and bright parts."""
     rng = np.random.default_rng(11)
     wall = _texture(rng.uniform(20.0, 60.0, (height, width)))
@@ -73,14 +73,14 @@ def outputs(name: str, *, seed: int = 5, threads: int = 1, steps: int = 100) -> 
     """Events, causes, frames and readout of every step of a sensor."""
     config = SENSORS[name]
     sensor = EventSensor(config, seed=seed, threads=threads)
-    yield from sensor.stream(drawn_light(config.width, config.height, steps=steps))
+    yield from sensor.stream(moving_box(config.width, config.height, steps=steps))
 
 
 def windowed() -> Iterator[Any]:
     """Yield the output of a sensor that is given the rectangle in which the luminance changes."""
     sensor = EventSensor(SMALL, seed=8)
     window = (0, SMALL.height // 4, SMALL.width, SMALL.height * 3 // 4)
-    for t_us, image in drawn_light(SMALL.width, SMALL.height, steps=60):
+    for t_us, image in moving_box(SMALL.width, SMALL.height, steps=60):
         yield sensor.step(t_us, image, changed=window)
 
 

@@ -90,7 +90,7 @@ def samples(name: str) -> list[Sample]:
     return list(crossing(name).samples(middle_us(name)))
 
 
-def light(name: str) -> Iterator[Any]:
+def frames(name: str) -> Iterator[Any]:
     """Yield time, luminance and changed rectangle of every sample."""
     for sample in samples(name):
         yield sample.t_us, sample.luminance, sample.changed
@@ -102,13 +102,13 @@ def truth(name: str) -> Iterator[Any]:
         yield sample.truth
 
 
-def kept(name: str) -> Iterator[Any]:
+def cached(name: str) -> Iterator[Any]:
     """Yield samples that are first rendered into a cache and then read from it."""
     with TemporaryDirectory() as folder:
         for _ in range(2):
             cache = LuminanceCache(Path(folder))
-            drawn = Crossing(CROSSINGS[name], LENS, cache=cache).samples(middle_us(name))
-            yield list(drawn), cache.read, cache.rendered
+            stored = Crossing(CROSSINGS[name], LENS, cache=cache).samples(middle_us(name))
+            yield list(stored), cache.read, cache.rendered
 
 
 def times(name: str) -> list[int]:
@@ -159,15 +159,15 @@ def photometric_camera() -> Iterator[Any]:
 
 
 CASES: dict[str, Case] = {
-    f"light.{what.__name__}.{name}": Case(partial(what, name))
-    for what in (light, truth, times, geometry)
+    f"luminance.{what.__name__}.{name}": Case(partial(what, name))
+    for what in (frames, truth, times, geometry)
     for name in CROSSINGS
 } | {
-    "light.sources.day_busy": Case(partial(sources, "day_busy")),
-    "light.sources.night_shake": Case(partial(sources, "night_shake")),
-    "light.full_frames.night_shake": Case(partial(full_frames, "night_shake")),
-    "light.kept.day_plain": Case(partial(kept, "day_plain")),
-    "light.previews.day_busy": Case(partial(previews, "day_busy")),
-    "light.previews.night_shake": Case(partial(previews, "night_shake")),
-    "light.photometric_camera": Case(photometric_camera),
+    "luminance.sources.day_busy": Case(partial(sources, "day_busy")),
+    "luminance.sources.night_shake": Case(partial(sources, "night_shake")),
+    "luminance.full_frames.night_shake": Case(partial(full_frames, "night_shake")),
+    "luminance.cached.day_plain": Case(partial(cached, "day_plain")),
+    "luminance.previews.day_busy": Case(partial(previews, "day_busy")),
+    "luminance.previews.night_shake": Case(partial(previews, "night_shake")),
+    "luminance.photometric_camera": Case(photometric_camera),
 }

@@ -7,7 +7,7 @@ import pytest
 
 from scenarios.cli import main
 from scenarios.errors import ScenarioError
-from scenarios.options.repetition import check_repetition
+from scenarios.output.repetition import check_repetition
 
 
 @pytest.mark.parametrize(
