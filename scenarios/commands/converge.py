@@ -39,8 +39,7 @@ class Converge:
     )
     """Other things that move or flicker."""
     piece_px: float = 3.0
-    """Length of the rendered piece, given as the distance that the vehicle moves in the image, 1 to
-    64 [px]."""
+    """Length of the rendered piece: distance that the vehicle moves in the image, 1 to 64 [px]."""
     out: Annotated[
         Path | None,
         tyro.conf.arg(metavar="DIR", help_behavior_hint="(default: nothing is written)"),

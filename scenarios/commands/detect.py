@@ -48,7 +48,7 @@ class Detect:
     rrd: Annotated[
         Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="(default: no recording)")
     ] = None
-    """Also write a Rerun recording (.rrd); open it with: flybench view FILE"""
+    """Also write a Rerun recording (.rrd), which `flybench view FILE` opens."""
     plot: Annotated[
         Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
     ] = None
@@ -56,8 +56,7 @@ class Detect:
     scale_to_sensor: bool = False
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
-    """Factor for all times of the detector, 0.001 to 1000; use a value above 1 for slower
-    motion."""
+    """Factor for all times of the detector, 0.001 to 1000; above 1 for slower motion."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint=_FROM_FILE)] = None
     """Sensor size [px], such as 346x260, if the file does not state it, or states a wrong size."""
     format: Annotated[

@@ -70,8 +70,7 @@ class Run:
     vehicle: Literal["sedan", "van", "motorcycle"] = "sedan"
     """Kind of vehicle."""
     paint_reflectance: float = CrossingConfig.paint_reflectance
-    """Paint reflectance, 0.04 (black) to 0.8 (white); at 0.13 the vehicle hardly differs from the
-    road by day."""
+    """Paint reflectance, 0.04 (black) to 0.8 (white); 0.13 is almost that of the road by day."""
     distance_m: Annotated[
         float | None, tyro.conf.arg(metavar="METRES", help_behavior_hint=_DISTANCE_HINT)
     ] = None
@@ -97,13 +96,11 @@ class Run:
         tuple[str, ...],
         tyro.conf.arg(metavar="NAME ...", help_behavior_hint="(default: no other detectors)"),
     ] = ()
-    """Further detectors to run on the same events, for comparison. Their names are those of
-    --method."""
+    """Further detectors to run on the same events, for comparison; names as for --method."""
     sensor: PresetName = "davis346"
     """Preset of the sensor: its pixels, its readout and its lens, which set the field of view."""
     noise: bool = True
-    """Simulate leak events, shot noise, hot pixels and frame noise. --no-noise needs --sensor
-    davis346."""
+    """Simulate leak events, shot noise, hot pixels and frame noise; --no-noise needs davis346."""
     lead_s: float = 0.15
     """Time before the vehicle enters the image and after it has left, 0.05 to 10 [s]."""
     step_px: float = CrossingConfig.step_px

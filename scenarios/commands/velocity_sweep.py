@@ -48,8 +48,7 @@ class VelocitySweep:
     """Direction in which the vehicle moves in the image."""
     method: MethodName = FLY
     seed: int = 0
-    """Seed of the first sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal
-    events."""
+    """Seed of the first sensor, 0 to 2^32 - 1. Equal seeds give equal events."""
     seeds: int = 1
     """Number of sensors per velocity, 1 to 100. Their seeds start at --seed."""
     step_px: float = CrossingConfig.step_px

@@ -30,8 +30,7 @@ class CacheOptions:
             help_behavior_hint=f"(default: ${VARIABLE}, or flybench in the user's cache folder)",
         ),
     ] = None
-    """Folder of the cache. Set the environment variable FLYBENCH_CACHE to off to turn the cache
-    off."""
+    """Folder of the cache. Set the environment variable FLYBENCH_CACHE to off to disable it."""
     cache_gb: float = LIMIT_BYTES / 1e9
     """Size limit of the cache [GB], 0 or more; the least recently used entries are removed."""
     no_cache: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

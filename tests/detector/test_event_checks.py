@@ -23,7 +23,7 @@ def test_accepts_corner_pixels_and_equal_times() -> None:
 @pytest.mark.parametrize(
     ("events", "sentence"),
     [
-        (make((5, 0, 0, 0), (4, 0, 0, 0)), "event 1 has t = 4 µs after t = 5 µs"),
+        (make((5, 0, 0, 0), (4, 0, 0, 0)), "Event 1 has t = 4 µs after t = 5 µs"),
         (make((5, 346, 0, 0)), "x = 346"),
         (make((5, 0, -1, 0)), "y = -1"),
         (np.zeros(3), "dtype float64"),

@@ -45,8 +45,8 @@ def test_rows_of_different_length_are_refused() -> None:
 @pytest.mark.parametrize(
     ("frames", "words"),
     [
-        ([1, 2], "is a int and no pair. Allowed are"),
-        ([(0, 1, 2)], "is a tuple and no pair"),
+        ([1, 2], "is not a pair but a int. Allowed are"),
+        ([(0, 1, 2)], "is not a pair but a tuple"),
         (None, "frames are None. Allowed is an iterable"),
     ],
 )

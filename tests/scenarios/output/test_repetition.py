@@ -20,7 +20,7 @@ from scenarios.output.repetition import check_repetition
     ],
 )
 def test_a_repeated_option_is_refused(arguments: list[str]) -> None:
-    with pytest.raises(ScenarioError, match=r"--[a-z-]+ is given 2 times\. Allowed is once"):
+    with pytest.raises(ScenarioError, match=r"--[a-z-]+ is given 2 times\. Allowed is one"):
         check_repetition(arguments)
 
 
