@@ -44,8 +44,8 @@ def time_luminance_pairs(
             t_us, luminance_cd_m2 = item
         except (TypeError, ValueError):
             raise FrameError(
-                f"An item of the frames is not a pair but a {type(item).__name__}. Allowed are pairs "
-                "of time [µs] and luminance [cd/m²]. Yield them as t_us, luminance."
+                f"An item of the frames is not a pair but a {type(item).__name__}. Allowed are "
+                "pairs of time [µs] and luminance [cd/m²]. Yield them as t_us, luminance."
             ) from None
         yield t_us, luminance_cd_m2
 
