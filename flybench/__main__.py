@@ -32,8 +32,11 @@ def _give_matplotlib_a_folder() -> None:
 
     Matplotlib would otherwise print two lines of advice before every command.
     """
-    home = Path.home()
-    if "MPLCONFIGDIR" not in os.environ and not os.access(home, os.W_OK):
+    if "MPLCONFIGDIR" in os.environ:
+        return
+    try:
+        tempfile.TemporaryFile(dir=Path.home()).close()
+    except OSError:
         os.environ["MPLCONFIGDIR"] = folder = tempfile.mkdtemp(prefix="flybench-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
 

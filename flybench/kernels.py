@@ -139,5 +139,5 @@ def _writable(folder: Path) -> Path | None:
 def _warn_once() -> None:
     logging.getLogger("flybench").warning(
         "flybench: no folder for compiled kernels is writable, so this process compiles them "
-        "again. Set NUMBA_CACHE_DIR to a folder that can."
+        "again. Set NUMBA_CACHE_DIR to a writable folder."
     )

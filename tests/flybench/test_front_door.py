@@ -1,6 +1,7 @@
 """`import flybench` offers every public name, and imports it when it is first used."""
 
 import ast
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -49,10 +50,30 @@ def test_python_m_flybench_is_the_command() -> None:
     assert done.stdout == f"flybench {flybench.__version__}\n"
 
 
+def test_a_home_that_cannot_be_written_to_costs_one_line(tmp_path: Path) -> None:
+    blocked = tmp_path / "blocked"
+    blocked.write_text("a file, where no folder can be created")
+    environment = os.environ | {"HOME": str(blocked), "NUMBA_CACHE_DIR": str(blocked)}
+    done = subprocess.run(
+        [sys.executable, "-m", "flybench", "doctor", "--help"],
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0
+    assert done.stderr.count("\n") == 1
+    assert "NUMBA_CACHE_DIR" in done.stderr
+
+
 def without(library: str, script: str) -> subprocess.CompletedProcess[str]:
     """Run a script where a library is not installed."""
     blocked = f"import sys; sys.modules[{library!r}] = None; {script}"
     return subprocess.run([sys.executable, "-c", blocked], capture_output=True, text=True)
+
+
+def test_the_version_needs_no_library() -> None:
+    script = "sys.argv = ['flybench', '--version']; from flybench.__main__ import main; main()"
+    assert without("tyro", script).stdout == f"flybench {flybench.__version__}\n"
 
 
 def test_the_command_names_a_library_that_is_missing() -> None:
