@@ -17,6 +17,7 @@ from scenarios.options.distractors import DistractorOptions
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import check_output_folder
 from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
@@ -158,6 +159,8 @@ class Run:
         folder = self.out or LOGS / f"{config.name}{others and '_also'}{others}"
         check_output_folder(folder)
         make_detector(config)
+        for method in (self.method, *self.also):
+            check_frames(self.sensor, method)
         make_extra_detectors(config, self.also)
         with progress_bar() as progress:
             summary = record_run(

@@ -17,6 +17,7 @@ from emulator import preset
 from emulator.presets import PresetName
 from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
+from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import DETECTORS, FLY, is_fly
 from scenarios.pipeline.run_config import RunConfig
 from sim import CrossingConfig
@@ -125,14 +126,15 @@ def make_config(settings: Settings) -> RunConfig:
         ScenarioError: a value is out of range or conflicts with another. The message names the
             parameter by its dotted name.
     """
-    method = settings.get(METHOD, FLY)
+    method, sensor = settings.get(METHOD, FLY), settings.get(PRESET, _DAVIS346)
+    check_frames(sensor, method)
     fly = None
     if any(name.startswith("fly.") for name in settings):
         config = DETECTORS[method].config if is_fly(method) else FlyConfig()
         fly = _changed(config, "fly", settings)
     return RunConfig(
         crossing=_changed(CrossingConfig(), "crossing", settings),
-        sensor=_changed(preset(settings.get(PRESET, _DAVIS346)), "sensor", settings),
+        sensor=_changed(preset(sensor), "sensor", settings),
         method=method,
         fly=fly,
         seed=settings.get(SEED, 0),
