@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import platform
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +23,7 @@ from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.versions import versions
 
 LOGS = Path("logs")
 PAGE = "datasheet.html"
@@ -78,7 +77,7 @@ def write_sheet(work: Path, sheet: Datasheet, *, changes: Mapping[str, Any], wal
         changes: preset of the sensor and its changed settings, by name.
         wall_s: duration of the experiments [s].
     """
-    context = {"changes": changes, "versions": library_versions()}
+    context = {"changes": changes, "versions": versions(_LIBRARIES)}
     (work / PAGE).write_text(render_page(sheet, **context), encoding="utf-8")
     text = json.dumps(
         datasheet_dict(sheet, **context), indent=1, allow_nan=False, ensure_ascii=False
@@ -86,11 +85,6 @@ def write_sheet(work: Path, sheet: Datasheet, *, changes: Mapping[str, Any], wal
     (work / NUMBERS).write_text(text + "\n", encoding="utf-8")
     summary = {"command": "characterise", "seed": sheet.seed, "wall_s": wall_s}
     write_summary(work, summary | {"sensor": dict(changes), "versions": context["versions"]})
-
-
-def library_versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries used, by name."""
-    return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
 
 
 def print_sheet(sheet: Datasheet) -> None:

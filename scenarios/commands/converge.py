@@ -18,7 +18,7 @@ from scenarios.options.distractors import DistractorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
-from scenarios.pipeline.summary import versions
+from scenarios.output.versions import versions
 from sim import CrossingConfig, Lighting, VehicleKind
 
 TABLE = "convergence.csv"

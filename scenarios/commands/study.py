@@ -17,9 +17,9 @@ from scenarios.options.method import MethodNames
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.versions import versions
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
-from scenarios.pipeline.summary import versions
 from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
 from scenarios.study.figures.all_figures import draw_figures

@@ -20,10 +20,10 @@ from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.versions import versions
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
-from scenarios.pipeline.summary import versions
 from scenarios.velocity_sweep.grms import draw_grms, spearman_by_seed
 from scenarios.velocity_sweep.rows import Row, measure_velocity
 from scenarios.velocity_sweep.table import print_rows

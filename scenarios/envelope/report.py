@@ -25,7 +25,7 @@ from scenarios.envelope.table import (
 )
 from scenarios.output.atomic_folder import write_summary
 from scenarios.output.tables import write_table
-from scenarios.pipeline.summary import versions
+from scenarios.output.versions import versions
 from scenarios.runs.run_table import format_percent
 
 TABLE = "envelope.csv"

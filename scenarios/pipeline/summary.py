@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -15,21 +13,12 @@ from detector.estimate import MotionEstimate
 from emulator import SensorOutput
 from flybench.events import Cause
 from scenarios.output.atomic_folder import GENERATOR
+from scenarios.output.versions import versions
 from scenarios.pipeline.registry import is_fly
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from sim import Crossing
 from sim.render.vulkan import vulkan_devices
-
-_LIBRARIES = (
-    "flybench",
-    "mujoco",
-    "numpy",
-    "numba",
-    "opencv-python-headless",
-    "h5py",
-    "rerun-sdk",
-)
 
 
 @dataclass
@@ -84,11 +73,6 @@ def summarise(
         "events": tally.summary(),
         "detector": scores,
     } | ({"fly": scores} if is_fly(config.method) else {})
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries that a result depends on."""
-    return {"python": platform.python_version()} | {name: version(name) for name in _LIBRARIES}
 
 
 def truth_summary(

@@ -95,7 +95,7 @@ def _detector(scores: dict[str, Any]) -> dict[str, str]:
         "first correct step": "never" if latency is None else f"{latency:.0f} ms after entry",
         "overlap of the ROI (IoU)": format_overlap(scores["roi_iou"]),
         "error of the view centre": format_pixels(scores["centroid_error_px"]),
-        "GRMS [1/s]": format_number(scores["grms"]),
+        "GRMS [1/s]": format_three_digits(scores["grms"]),
     }
 
 
@@ -130,6 +130,6 @@ def format_pixels(value: float | None) -> str:
     return "no step" if value is None else f"{value:.0f} px"
 
 
-def format_number(value: float | None) -> str:
+def format_three_digits(value: float | None) -> str:
     """Format a number with three digits; None means that there were too few steps."""
     return "no step" if value is None else f"{value:.3g}"

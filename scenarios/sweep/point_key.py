@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 
 from flybench.sources import SWEEP_POINT_SOURCES, add_file, sources_digest
+from scenarios.output.versions import versions
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.summary import versions
 
 
 @cache

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from scenarios.options.cache import CacheOptions
 from scenarios.output.atomic_folder import GENERATOR, SUMMARY
-from scenarios.pipeline.summary import versions
+from scenarios.output.versions import versions
 from scenarios.sweep.folder import (
     COPY,
     CSV,

@@ -8,7 +8,12 @@ from statistics import fmean
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.runs.run_table import format_number, format_overlap, format_percent, format_pixels
+from scenarios.runs.run_table import (
+    format_overlap,
+    format_percent,
+    format_pixels,
+    format_three_digits,
+)
 from scenarios.velocity_sweep.rows import Row
 
 COLUMNS = (
@@ -54,5 +59,5 @@ def _cells(rows: Sequence[Row]) -> tuple[str, ...]:
         "never" if latency is None else f"{latency:.0f} ms",
         format_overlap(mean("roi_iou")),
         format_pixels(mean("centroid_error_px")),
-        format_number(mean("grms")),
+        format_three_digits(mean("grms")),
     )

@@ -12,7 +12,7 @@ from typing import Any
 from markupsafe import Markup
 
 from scenarios.output.html import inline_svg, render
-from scenarios.pipeline.summary import versions
+from scenarios.output.versions import versions
 from scenarios.study.claims.claim import Claim, Verdict
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
 from scenarios.study.figures.method_style import in_display_order, method_style

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.runs.run_table import format_number
+from scenarios.runs.run_table import format_three_digits
 from scenarios.study.claims.claim import Claim, format_interval
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, by_method_and_lighting
@@ -35,7 +35,7 @@ def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
                 format_interval(found["accuracy_after_100ms"], "%"),
                 "–" if latency is None else f"{latency.mean:.0f} ms",
                 *(
-                    format_number(_mean(found[name]))
+                    format_three_digits(_mean(found[name]))
                     for name in ("ms_per_estimate", "ns_per_event")
                 ),
             )
