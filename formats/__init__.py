@@ -7,12 +7,15 @@
 from formats.errors import FormatError, MissingLibraryError
 from formats.event_file import Chunk, EventFile, EventStatistics, open_events, read_events
 from formats.identify import FORMATS
+from formats.samples import IMU_DTYPE, TRIGGER_DTYPE, TriggerKind
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
 
 __all__ = [
     "ENDINGS",
     "FORMATS",
+    "IMU_DTYPE",
+    "TRIGGER_DTYPE",
     "WRITERS",
     "Chunk",
     "EventFile",
@@ -20,6 +23,7 @@ __all__ = [
     "EventWriter",
     "FormatError",
     "MissingLibraryError",
+    "TriggerKind",
     "open_events",
     "open_writer",
     "read_events",

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from formats.errors import FormatError
+from formats.samples import ParsedSamples
 
 PARSED_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "?")])
 """Dtype of events; a copy of `flybench.events.EVENT_DTYPE`, which is not imported here."""
@@ -95,7 +96,7 @@ class ParsedFrame:
     image: npt.NDArray[np.uint16]
 
 
-ParsedItem: TypeAlias = EventColumns | ParsedFrame
+ParsedItem: TypeAlias = EventColumns | ParsedFrame | ParsedSamples
 ParsedFile: TypeAlias = tuple[FileHeader, Iterator[ParsedItem]]
 
 

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import takewhile
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
 from formats.columns import MAX_SIDE_PX, UNITS_US, ReadOptions
 from formats.errors import FormatError
+from formats.held_back import HeldBack
 from formats.identify import FORMATS, check_readable, identify_format
 from formats.isolated_reader import IsolatedReader
-from formats.parser_process import FRAME
-
-_FRAMES_PENDING = 32
-"""Most frames that are held back until events reach the end of their exposure (assumed)."""
+from formats.samples import empty_imu, empty_triggers
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +28,15 @@ class Chunk:
     Attributes:
         events: events sorted by time, none older than those of the previous chunk; may be empty.
         frames: APS frames whose exposure ends no later than the last event.
+        imu: samples of the inertial measurement unit, of `IMU_DTYPE`, in the order of the file.
+            Those before the first event have negative times if `EventFile.origin_us` is not 0.
+        triggers: triggers, of `TRIGGER_DTYPE`, as `imu`.
     """
 
     events: Events
     frames: tuple[ApsFrame, ...] = ()
+    imu: npt.NDArray[Any] = field(default_factory=empty_imu)
+    triggers: npt.NDArray[Any] = field(default_factory=empty_triggers)
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,8 @@ class EventStatistics:
         events: number of events.
         on: number of ON events.
         frames: number of APS frames.
+        imu: number of IMU samples.
+        triggers: number of triggers.
         first_us: time of the first event [µs].
         last_us: time of the last event [µs].
         x_min: leftmost column with an event [px].
@@ -55,6 +60,8 @@ class EventStatistics:
     events: int = 0
     on: int = 0
     frames: int = 0
+    imu: int = 0
+    triggers: int = 0
     first_us: int = 0
     last_us: int = 0
     x_min: int = 0
@@ -80,8 +87,9 @@ class EventStatistics:
     def with_chunk(self, chunk: Chunk) -> EventStatistics:
         """Return the statistics with `chunk` included."""
         events, frames = chunk.events, self.frames + len(chunk.frames)
+        imu, triggers = self.imu + chunk.imu.size, self.triggers + chunk.triggers.size
         if not events.size:
-            return replace(self, frames=frames)
+            return replace(self, frames=frames, imu=imu, triggers=triggers)
         x, y = events["x"], events["y"]
         low = (int(x.min()), int(y.min()))
         high = (int(x.max()), int(y.max()))
@@ -92,6 +100,8 @@ class EventStatistics:
             events=self.events + events.size,
             on=self.on + int(np.count_nonzero(events["p"])),
             frames=frames,
+            imu=imu,
+            triggers=triggers,
             first_us=self.first_us if self.events else int(events["t"][0]),
             last_us=int(events["t"][-1]),
             x_min=low[0],
@@ -169,21 +179,19 @@ class EventFile:
         """
         if self._ended:
             raise FormatError(f"{self.path} has been read to its end. Open it again.")
-        pending: list[ApsFrame] = []
+        held = HeldBack()
         for kind, content in self._messages:
-            if kind == b"F":
-                pending.append(_frame(content))
-                if len(pending) > _FRAMES_PENDING:
-                    yield self._counted(Chunk(empty_events(), (pending.pop(0),)))
+            if kind != b"E":
+                held.add(kind, content)
+                if held.is_full:
+                    yield self._counted(Chunk(empty_events(), *held.release_some()))
                 continue
             events = np.frombuffer(content, EVENT_DTYPE)
-            last_us = int(events["t"][-1])
-            due = tuple(takewhile(lambda frame: frame.end_us <= last_us, pending))  # noqa: B023
-            del pending[: len(due)]
-            yield self._counted(Chunk(events, due))
+            yield self._counted(Chunk(events, *held.release(int(events["t"][-1]))))
         self._ended = True
-        if pending:
-            yield self._counted(Chunk(empty_events(), tuple(pending)))
+        rest = Chunk(empty_events(), *held.release())
+        if rest.frames or rest.imu.size or rest.triggers.size:
+            yield self._counted(rest)
 
     def _counted(self, chunk: Chunk) -> Chunk:
         self._statistics = self._statistics.with_chunk(chunk)
@@ -246,9 +254,3 @@ def read_events(
     with open_events(path, format=format, size=size, time_unit=time_unit) as file:
         chunks = [chunk.events for chunk in file]
     return concatenate_events(chunks)
-
-
-def _frame(content: bytearray) -> ApsFrame:
-    start_us, end_us, width, height = FRAME.unpack_from(content)
-    image = np.frombuffer(content, "<u2", offset=FRAME.size).reshape(height, width)
-    return ApsFrame(start_us=start_us, end_us=end_us, image=image)

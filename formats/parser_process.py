@@ -5,6 +5,8 @@ A message is a kind (1 byte), a length (8 bytes, little-endian) and that many by
 - `H`: header of the file, as a JSON object.
 - `E`: events of `PARSED_DTYPE`.
 - `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes per pixel.
+- `I`: IMU samples of `formats.samples.IMU_DTYPE`.
+- `T`: triggers of `formats.samples.TRIGGER_DTYPE`.
 - `W`: still working; no content.
 - `X`: an error message; no further messages follow.
 - `Z`: end of the file.
@@ -18,7 +20,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -37,6 +39,10 @@ from formats.columns import (
 from formats.errors import FormatError
 from formats.identify import FORMATS
 from formats.readers import reader_of
+from formats.samples import IMU_DTYPE, ParsedSamples
+
+ParsedArray: TypeAlias = Array | ParsedFrame | ParsedSamples
+"""Checked content of a file; an array holds events of `PARSED_DTYPE`."""
 
 MESSAGE = struct.Struct("<cQ")
 FRAME = struct.Struct("<4q")
@@ -141,6 +147,9 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
             height, width = item.image.shape
             numbers = FRAME.pack(item.start_us, item.end_us, width, height)
             _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
+        elif isinstance(item, ParsedSamples):
+            kind = b"I" if item.samples.dtype == IMU_DTYPE else b"T"
+            _send(out, kind, np.ascontiguousarray(item.samples).view(np.uint8).data)
         elif item.size:
             _send(out, b"E", item.view(np.uint8).data)
     _send(out, b"Z")
@@ -178,27 +187,27 @@ def infer_size(path: Path, items: Iterator[ParsedItem], out: BinaryIO) -> Size:
 
 def _with_origin(
     path: Path, items: Iterator[ParsedItem], size: Size
-) -> tuple[Iterator[Array | ParsedFrame], int]:
+) -> tuple[Iterator[ParsedArray], int]:
     """Return checked events and frames in time from the origin, and the origin itself [µs]."""
     checked = _checked(path, items, size)
-    head: list[Array | ParsedFrame] = []
+    head: list[ParsedArray] = []
     for item in checked:
         head.append(item)
-        if isinstance(item, ParsedFrame) or item.size:
+        if isinstance(item, ParsedFrame) or (isinstance(item, np.ndarray) and item.size):
             break
-    first = head[-1] if head else None
+    first, first_us = head[-1] if head else None, 0
     if isinstance(first, ParsedFrame):
         first_us = first.start_us
-    else:
-        first_us = int(first["t"][0]) if first is not None and first.size else 0
+    elif isinstance(first, np.ndarray) and first.size:
+        first_us = int(first["t"][0])
     origin_us = first_us if first_us < 0 or first_us >= WALL_CLOCK_MIN_US else 0
     return _shifted(head, checked, origin_us), origin_us
 
 
-def _checked(path: Path, items: Iterator[ParsedItem], size: Size) -> Iterator[Array | ParsedFrame]:
+def _checked(path: Path, items: Iterator[ParsedItem], size: Size) -> Iterator[ParsedArray]:
     done, last_us = 0, None
     for item in items:
-        if isinstance(item, ParsedFrame):
+        if isinstance(item, ParsedFrame | ParsedSamples):
             yield item
             continue
         events = to_events(item, size, path=path, done=done)
@@ -209,8 +218,8 @@ def _checked(path: Path, items: Iterator[ParsedItem], size: Size) -> Iterator[Ar
 
 
 def _shifted(
-    head: list[Array | ParsedFrame], rest: Iterator[Array | ParsedFrame], origin_us: int
-) -> Iterator[Array | ParsedFrame]:
+    head: list[ParsedArray], rest: Iterator[ParsedArray], origin_us: int
+) -> Iterator[ParsedArray]:
     for source in (head, rest):
         for item in source:
             if isinstance(item, ParsedFrame):
@@ -218,17 +227,18 @@ def _shifted(
                     start_us, end_us = item.start_us - origin_us, item.end_us - origin_us
                     yield ParsedFrame(start_us, end_us, item.image)
                 continue
-            item["t"] -= origin_us
+            times = item.samples if isinstance(item, ParsedSamples) else item
+            times["t"] -= origin_us
             yield item
 
 
-def _batched(items: Iterator[Array | ParsedFrame]) -> Iterator[Array | ParsedFrame]:
+def _batched(items: Iterator[ParsedArray]) -> Iterator[ParsedArray]:
     """Yield frames, and events in arrays of `BATCH` or more; before an error, those collected."""
     pending: list[Array] = []
     count = 0
     try:
         for item in items:
-            if isinstance(item, ParsedFrame):
+            if isinstance(item, ParsedFrame | ParsedSamples):
                 yield item
                 continue
             pending.append(item)

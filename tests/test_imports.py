@@ -38,7 +38,8 @@ LAYERS = {
         "contrast_maximisation plane_fit"
     ),
     "formats": (
-        "errors columns identify readers parser_process isolated_reader event_file writers"
+        "errors samples columns identify readers parser_process isolated_reader held_back "
+        "event_file writers"
     ),
     "scenarios": (
         "errors output pipeline options recording runs datasheet convergence "
@@ -104,9 +105,9 @@ def test_folders_import_one_way(package: str) -> None:
 
 
 def test_parsers_import_only_the_errors_of_flybench() -> None:
-    names = ("errors", "identify", "columns", "parser_process")
+    names = ("errors", "identify", "columns", "samples", "parser_process")
     parsers = {Path("formats") / f"{name}.py" for name in names}
-    parsers |= {path.relative_to(ROOT) for path in (ROOT / "formats" / "readers").glob("*.py")}
+    parsers |= {path.relative_to(ROOT) for path in (ROOT / "formats" / "readers").rglob("*.py")}
     used = {name for path, name in sources("formats") if path in parsers}
     used = {name for name in used if name.split(".")[0] in PACKAGES}
     assert {name for name in used if not name.startswith("formats.")} == {"flybench.errors"}

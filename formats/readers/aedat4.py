@@ -1,4 +1,4 @@
-"""AEDAT 4, written by DV and dv-processing: packets of events and frames, decoded by faery."""
+"""AEDAT 4 of DV and dv-processing: packets of events, frames, IMU samples, triggers; by faery."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from formats.columns import (
+    Array,
     EventColumns,
     FileHeader,
     ParsedFile,
@@ -19,15 +20,23 @@ from formats.columns import (
     ReadOptions,
 )
 from formats.errors import FormatError, MissingLibraryError
+from formats.samples import IMU_DTYPE, TRIGGER_DTYPE, ParsedSamples
 
 _MAGIC_BYTES = 14
 _PACKET_HEAD = struct.Struct("<iI")
 _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of red, green and blue in luma (ITU-R BT.601)."""
 
+_IMU_SENSORS = {
+    "acceleration_g": "accelerometer",
+    "rotation_deg_s": "gyroscope",
+    "magnetic_ut": "magnetometer",
+}
+"""faery's name of the sensor, by field of `IMU_DTYPE`."""
+
 
 def read(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read the first event stream and the first frame stream.
+    """Read the first stream of each kind: events, frames, IMU samples and triggers.
 
     Raises:
         FormatError: the header is damaged, or there are neither events nor frames.
@@ -47,7 +56,8 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     facts = {"streams": ", ".join(f"{track.data_type} {track.id}" for track in decoder.tracks())}
     if len(events) > 1:
         facts["streams"] += f"; events {events[0].id} is read"
-    wanted = {track.id for track in events[:1] + frames[:1]}
+    chosen = [*events[:1], *frames[:1], *streams.get("imus", [])[:1]]
+    wanted = {track.id for track in chosen + streams.get("triggers", [])[:1]}
     size = (events or frames)[0].dimensions
     return FileHeader(size, facts, has_frames=bool(frames)), _items(path, decoder, wanted)
 
@@ -85,6 +95,10 @@ def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[ParsedItem]:
             continue
         if track.data_type == "events":
             yield EventColumns(packet["t"], packet["x"], packet["y"], packet["on"])
+        elif track.data_type == "imus":
+            yield ParsedSamples(_imu(packet))
+        elif track.data_type == "triggers":
+            yield ParsedSamples(_triggers(packet))
         else:
             image, shift = _ten_bits(packet.pixels, packet.format, shift)
             yield ParsedFrame(*_exposure(packet), image)
@@ -93,6 +107,22 @@ def _items(path: Path, decoder: Any, wanted: set[int]) -> Iterator[ParsedItem]:
             f"{path} is truncated or damaged in the packet at byte {damaged_at}. The packets "
             "before it were read. Copy the file again from where it was recorded."
         )
+
+
+def _imu(packet: Any) -> Array:
+    """Return IMU samples; in the file: g, °/s, µT and °C (dv-processing, `dv::IMU`)."""
+    samples = np.empty(packet.size, IMU_DTYPE)
+    samples["t"], samples["temperature_c"] = packet["t"], packet["temperature"]
+    for name, sensor in _IMU_SENSORS.items():
+        for axis, letter in enumerate("xyz"):
+            samples[name][:, axis] = packet[f"{sensor}_{letter}"]
+    return samples
+
+
+def _triggers(packet: Any) -> Array:
+    samples = np.zeros(packet.size, TRIGGER_DTYPE)
+    samples["t"], samples["kind"] = packet["t"], packet["source"]
+    return samples
 
 
 def _exposure(frame: Any) -> tuple[int, int]:

@@ -159,6 +159,8 @@ def _file_json(file: EventFile) -> dict[str, Any]:
         "rate_hz": found.rate_hz,
         "on_share": found.on_share,
         "frames": found.frames,
+        "imu": found.imu,
+        "triggers": found.triggers,
     }
 
 
@@ -175,6 +177,8 @@ def _file_rows(file: EventFile) -> list[tuple[str, str]]:
         ("x, y", f"{found.x_min} to {found.x_max}, {found.y_min} to {found.y_max}"),
         ("frames", f"{found.frames:,}"),
     ]
+    if found.imu or found.triggers:
+        rows.append(("IMU, triggers", f"{found.imu:,} samples, {found.triggers:,}"))
     if file.origin_us:
         rows.insert(4, ("time origin", f"{file.origin_us:,} µs in the file"))
     return rows

@@ -58,6 +58,8 @@ def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice
     last: tuple[MotionEstimate, ...] = ()
     now_us = 0
     for chunk in file:
+        if start_us is None and not chunk.events.size and not chunk.frames:
+            continue  # IMU samples or triggers only
         if start_us is None:
             start_us = _first_us(chunk) // SLICE_US * SLICE_US
         for events, frames in _slices(chunk):
