@@ -17,6 +17,7 @@ FORMATS = {
     "dat": "Prophesee DAT",
     "es": "Event Stream",
     "hdf5": "HDF5",
+    "matlab": "MATLAB 5 or 7.3",
     "npz": "NumPy archive",
     "npy": "NumPy array",
     "text": "text",
@@ -29,6 +30,8 @@ _MAGIC = {
     b"#!AER-DAT2.": "aedat2",
     b"Event Stream": "es",
     b"\x89HDF\r\n\x1a\n": "hdf5",
+    b"MATLAB 5.0 MAT-file": "matlab",
+    b"MATLAB 7.3 MAT-file": "matlab",
     b"PK\x03\x04": "npz",
     b"PK\x05\x06": "npz",
     b"\x93NUMPY": "npy",
@@ -41,6 +44,8 @@ _UNSUPPORTED = {
     b"#!AER-DAT1.": ("an AEDAT 1 file", _CONVERT_WITH_DV),
     b"#ROSBAG": ("a ROS bag", "Convert it to AEDAT 4 or HDF5 with the tool of the camera driver."),
     b"\x1f\x8b": ("compressed by gzip", "Unpack it with gunzip first."),
+    b"BZh": ("compressed by bzip2", "Unpack it with bunzip2 first."),
+    b"\x28\xb5\x2f\xfd": ("compressed by zstd", "Unpack it with unzstd first."),
     b"7z\xbc\xaf": ("compressed by 7-Zip", "Unpack it first."),
     b"\xfd7zXZ": ("compressed by xz", "Unpack it with unxz first."),
 }
@@ -50,7 +55,7 @@ _EVT = {"2.0": "evt2", "2": "evt2", "2.1": "evt21", "21": "evt21", "3.0": "evt3"
 _HEAD_BYTES = 1 << 14
 
 BINARY_ENDINGS = (
-    ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".npy", ".npz",
+    ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".mat", ".npy", ".npz",
 )  # fmt: skip
 """Endings of binary formats: such a file that looks like text has been truncated."""
 

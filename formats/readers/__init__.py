@@ -25,6 +25,7 @@ _MODULES = {
     "dat": "prophesee",
     "es": "event_stream",
     "hdf5": "hdf5",
+    "matlab": "matlab",
     "npz": "arrays",
     "npy": "arrays",
     "text": "text",

@@ -105,6 +105,7 @@ def read_npz(path: Path, options: ReadOptions) -> ParsedFile:
     """
     archive = zipfile.ZipFile(path)
     members = {i.filename.removesuffix(".npy"): i for i in archive.infolist()}
+    _check_not_other_zip(path, archive)
     size = _size_in(archive, members, path)
     wanted = match_columns(members)
     if wanted is not None:
@@ -119,6 +120,17 @@ def read_npz(path: Path, options: ReadOptions) -> ParsedFile:
         f"{path} contains the arrays {', '.join(members) or 'none'}. Allowed are arrays t, x, y "
         "and p, or one structured array with these fields. Save it in one of these forms."
     )
+
+
+def _check_not_other_zip(path: Path, archive: zipfile.ZipFile) -> None:
+    """Refuse a zip archive of other files than arrays, such as one of the text of a data set."""
+    names = [name for name in archive.namelist() if not name.endswith("/")]
+    if names and not any(name.endswith(".npy") for name in names):
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        raise FormatError(
+            f"{path} is a zip archive of {names[0]}{more}. Allowed is an archive of NumPy arrays. "
+            "Unpack it first, and give the file of events in it."
+        )
 
 
 def _array_facts(stream: NpyStream) -> dict[str, str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import scipy.io
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events
@@ -116,6 +117,25 @@ def _npy(path: Path, events: Events) -> None:
     np.save(path, events)
 
 
+def matlab_structure(events: Events) -> dict[str, np.ndarray]:
+    """Return the fields of the structure TD as MATLAB users store them: x and y from 1, doubles."""
+    polarity = np.where(events["p"], 1.0, -1.0)
+    return {"x": events["x"] + 1.0, "y": events["y"] + 1.0, "p": polarity, "ts": events["t"] * 1.0}
+
+
+def _matlab_5(path: Path, events: Events) -> None:
+    scipy.io.savemat(path, {"TD": matlab_structure(events)}, appendmat=False, do_compression=True)
+
+
+def _matlab_73(path: Path, events: Events) -> None:
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in matlab_structure(events).items():
+            column = values.reshape(-1, 1).astype("u2" if name in "xy" else "f8")
+            file.create_dataset(f"TD/{name}", data=column, compression="gzip")
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\x02IM")
+
+
 FILE_MAKERS: dict[str, Callable[[Path, Events], None]] = {
     "a.aedat4": _with_flybench,
     "a.h5": _with_flybench,
@@ -130,8 +150,13 @@ FILE_MAKERS: dict[str, Callable[[Path, Events], None]] = {
     "davis.aedat": _aedat2,
     "caer.aedat": _aedat3,
     "a.npy": _npy,
+    "5.mat": _matlab_5,
+    "73.mat": _matlab_73,
 }
 """Function that writes a file, by its name; the stem names the format if the ending does not."""
+
+WITHOUT_SIZE = ("a.npy", "5.mat", "73.mat")
+"""Files that do not state the size of the sensor."""
 
 
 def make_file(folder: Path, name: str, events: Events) -> Path:

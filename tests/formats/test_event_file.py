@@ -14,6 +14,7 @@ from formats.columns import PARSED_DTYPE
 from tests.formats.sample_files import (
     FILE_MAKERS,
     SIZE,
+    WITHOUT_SIZE,
     make_file,
     make_hdf5,
     random_events,
@@ -29,7 +30,7 @@ def test_the_parser_and_flybench_have_the_same_event_dtype() -> None:
 def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) -> None:
     events = random_events()
     path = make_file(tmp_path, name, events).rename(tmp_path / "recording.xyz")
-    size = SIZE if name == "a.npy" else None  # which does not state it
+    size = SIZE if name in WITHOUT_SIZE else None
     with open_events(path, size=size) as file:
         chunks = list(file)
         statistics = file.statistics

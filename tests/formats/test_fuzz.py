@@ -13,8 +13,19 @@ from formats.identify import FORMATS, identify_format
 from formats.parser_process import MESSAGE, parse
 from tests.formats.sample_files import FILE_MAKERS, SIZE, make_file, random_events
 
-DECODED_BY_LIBRARIES = ("a.aedat4", "a.h5", "evt3.raw", "evt2.raw", "a.dat", "a.es")
+DECODED_BY_LIBRARIES = (
+    "a.aedat4",
+    "a.h5",
+    "evt3.raw",
+    "evt2.raw",
+    "a.dat",
+    "a.es",
+    "5.mat",
+    "73.mat",
+)
 """Files that native libraries decode, which may crash their process."""
+
+LIBRARY_FORMATS = ("aedat4", "hdf5", "evt3", "evt2", "dat", "es", "matlab")
 
 DECODED_BY_FLYBENCH = tuple(sorted(set(FILE_MAKERS) - set(DECODED_BY_LIBRARIES)))
 
@@ -55,7 +66,7 @@ def test_parsers_of_flybench(
     except FormatError as error:
         check_error_message(str(error), path)
         return
-    if name in ("aedat4", "hdf5", "evt3", "evt2", "dat", "es"):
+    if name in LIBRARY_FORMATS:
         return
     out = BytesIO()
     parse(path, name, ReadOptions(SIZE), out)
