@@ -18,6 +18,9 @@ FORMATS = {
     "es": "Event Stream",
     "hdf5": "HDF5",
     "matlab": "MATLAB 5 or 7.3",
+    "rosbag1": "ROS 1 bag",
+    "rosbag2": "ROS 2 bag",
+    "mcap": "MCAP",
     "npz": "NumPy archive",
     "npy": "NumPy array",
     "text": "text",
@@ -32,6 +35,9 @@ _MAGIC = {
     b"\x89HDF\r\n\x1a\n": "hdf5",
     b"MATLAB 5.0 MAT-file": "matlab",
     b"MATLAB 7.3 MAT-file": "matlab",
+    b"#ROSBAG V": "rosbag1",
+    b"SQLite format 3\0": "rosbag2",
+    b"\x89MCAP0\r\n": "mcap",
     b"PK\x03\x04": "npz",
     b"PK\x05\x06": "npz",
     b"\x93NUMPY": "npy",
@@ -42,7 +48,6 @@ _CONVERT_WITH_DV = "Convert it to AEDAT 4 with DV."
 _UNSUPPORTED = {
     b"#!AER-DAT3.0": ("an AEDAT 3.0 file", _CONVERT_WITH_DV),
     b"#!AER-DAT1.": ("an AEDAT 1 file", _CONVERT_WITH_DV),
-    b"#ROSBAG": ("a ROS bag", "Convert it to AEDAT 4 or HDF5 with the tool of the camera driver."),
     b"\x1f\x8b": ("compressed by gzip", "Unpack it with gunzip first."),
     b"BZh": ("compressed by bzip2", "Unpack it with bunzip2 first."),
     b"\x28\xb5\x2f\xfd": ("compressed by zstd", "Unpack it with unzstd first."),
@@ -55,23 +60,31 @@ _EVT = {"2.0": "evt2", "2": "evt2", "2.1": "evt21", "21": "evt21", "3.0": "evt3"
 _HEAD_BYTES = 1 << 14
 
 BINARY_ENDINGS = (
-    ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".mat", ".npy", ".npz",
+    ".aedat4", ".aedat", ".raw", ".dat", ".es", ".h5", ".hdf5", ".mat", ".bag", ".db3", ".mcap",
+    ".npy", ".npz",
 )  # fmt: skip
 """Endings of binary formats: such a file that looks like text has been truncated."""
 
 
+def is_rosbag2_folder(path: Path) -> bool:
+    """Return True if a path is a folder that ROS 2 has recorded."""
+    return (path / "metadata.yaml").is_file()
+
+
 def check_readable(path: Path) -> None:
-    """Check that a path is a readable file that is not empty.
+    """Check that a path is a readable file that is not empty, or a ROS 2 bag.
 
     Raises:
         FormatError: the path does not exist, is a folder or another special file, is empty, or may
             not be read.
     """
     try:
-        if path.is_dir():
+        if path.is_dir() and not is_rosbag2_folder(path):
             raise FormatError(f"{path} is a folder. Give a file of events in it.")
         if not path.exists():
             raise FormatError(f"{path} does not exist. Check its name and folder.")
+        if is_rosbag2_folder(path):
+            return
         if not path.is_file():
             raise FormatError(f"{path} is not a regular file. Copy the events into one first.")
         if path.stat().st_size == 0:
@@ -90,6 +103,8 @@ def identify_format(path: Path) -> str:
     Raises:
         FormatError: the file has none of these formats, or is truncated in its header.
     """
+    if path.is_dir():
+        return "rosbag2"
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
     for magic, name in _MAGIC.items():

@@ -13,6 +13,7 @@ from formats.writers.base import EventWriter
 from formats.writers.dsec import DsecWriter
 from formats.writers.evt3 import Evt3Writer
 from formats.writers.npz import NpzWriter
+from formats.writers.rosbag2 import McapWriter, Rosbag2Writer
 from formats.writers.text import CsvWriter, TextWriter
 
 WRITERS: dict[str, type[EventWriter]] = {
@@ -22,6 +23,8 @@ WRITERS: dict[str, type[EventWriter]] = {
     "text": TextWriter,
     "csv": CsvWriter,
     "npz": NpzWriter,
+    "mcap": McapWriter,
+    "rosbag2": Rosbag2Writer,
 }
 """Writer of each format, by the name of the format."""
 
@@ -33,8 +36,9 @@ ENDINGS = {
     ".txt": "text",
     ".csv": "csv",
     ".npz": "npz",
+    ".mcap": "mcap",
 }
-"""Format of a new file, by the ending of its name."""
+"""Format of a new file, by the ending of its name. A ROS 2 bag is a folder and has no ending."""
 
 
 def open_writer(

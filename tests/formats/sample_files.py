@@ -11,6 +11,7 @@ import scipy.io
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events
 from formats import open_writer
+from tests.formats.ros_files import events_recorded, write_bag
 
 SIZE = (346, 260)
 
@@ -136,6 +137,10 @@ def _matlab_73(path: Path, events: Events) -> None:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\x02IM")
 
 
+def _bag(path: Path, events: Events) -> None:
+    write_bag(path, events_recorded(path, events))
+
+
 FILE_MAKERS: dict[str, Callable[[Path, Events], None]] = {
     "a.aedat4": _with_flybench,
     "a.h5": _with_flybench,
@@ -152,6 +157,9 @@ FILE_MAKERS: dict[str, Callable[[Path, Events], None]] = {
     "a.npy": _npy,
     "5.mat": _matlab_5,
     "73.mat": _matlab_73,
+    "1.bag": _bag,
+    "2.db3": _bag,
+    "a.mcap": _bag,
 }
 """Function that writes a file, by its name; the stem names the format if the ending does not."""
 

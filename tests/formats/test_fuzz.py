@@ -25,7 +25,18 @@ DECODED_BY_LIBRARIES = (
 )
 """Files that native libraries decode, which may crash their process."""
 
-LIBRARY_FORMATS = ("aedat4", "hdf5", "evt3", "evt2", "dat", "es", "matlab")
+LIBRARY_FORMATS = (
+    "aedat4",
+    "hdf5",
+    "evt3",
+    "evt2",
+    "dat",
+    "es",
+    "matlab",
+    "mcap",
+    "rosbag1",
+    "rosbag2",
+)
 
 DECODED_BY_FLYBENCH = tuple(sorted(set(FILE_MAKERS) - set(DECODED_BY_LIBRARIES)))
 
