@@ -154,6 +154,7 @@ class EventFile:
         self.has_frames: bool = header["has_frames"]
         self.header_fields: dict[str, str] = header["facts"]
         self.origin_us: int = header["origin_us"]
+        self._read_before: int | None = header["read_before"]
 
     def __enter__(self) -> EventFile:
         return self
@@ -169,6 +170,14 @@ class EventFile:
     def statistics(self) -> EventStatistics:
         """Statistics of the chunks read so far."""
         return self._statistics
+
+    @property
+    def read_share(self) -> float | None:
+        """Share of the file that has been read, about, 0 to 1; None if that is not known."""
+        now = self._reader.bytes_read()
+        if now is None or self._read_before is None:
+            return None
+        return min((now - self._read_before) / max(_length(self.path), 1), 1.0)
 
     def __iter__(self) -> Iterator[Chunk]:
         """Yield the chunks, in constant memory.
@@ -196,6 +205,12 @@ class EventFile:
     def _counted(self, chunk: Chunk) -> Chunk:
         self._statistics = self._statistics.with_chunk(chunk)
         return chunk
+
+
+def _length(path: Path) -> int:
+    """Return the length of a file, or of all files of a folder [bytes]."""
+    files = path.iterdir() if path.is_dir() else (path,)
+    return sum(file.stat().st_size for file in files)
 
 
 def open_events(

@@ -45,11 +45,11 @@ class HeldBack:
 
     def release(self, until_us: int | None = None) -> Released:
         """Return all samples, and the frames whose exposure ends by `until_us`; None: all."""
-        frames = self._frames
+        frames = tuple(self._frames)
         if until_us is not None:
-            frames = list(takewhile(lambda frame: frame.end_us <= until_us, frames))
+            frames = tuple(takewhile(lambda frame: frame.end_us <= until_us, frames))
         del self._frames[: len(frames)]
-        return tuple(frames), self._taken(b"I", IMU_DTYPE), self._taken(b"T", TRIGGER_DTYPE)
+        return frames, self._taken(b"I", IMU_DTYPE), self._taken(b"T", TRIGGER_DTYPE)
 
     def release_some(self) -> Released:
         """Return all samples, and the oldest frame if too many wait."""

@@ -19,6 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from formats.bytes_read import bytes_read
 from formats.columns import ReadOptions
 from formats.errors import FormatError
 from formats.parser_process import DAMAGED, MESSAGE, TOO_LARGE, TOO_LARGE_OR_ABORTED
@@ -84,6 +85,10 @@ class IsolatedReader:
         self._process.wait()
         with suppress(OSError):
             self._pipe.close()
+
+    def bytes_read(self) -> int | None:
+        """Return how much the process has read [bytes]; None if that is not known."""
+        return bytes_read(self._process.pid)
 
     def messages(self) -> Iterator[tuple[bytes, bytearray]]:
         """Yield the kind and content of each message; see `formats.parser_process`.

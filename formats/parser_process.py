@@ -24,6 +24,7 @@ from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
+from formats.bytes_read import bytes_read
 from formats.columns import (
     MAX_SIDE_PX,
     WALL_CLOCK_MIN_US,
@@ -122,11 +123,12 @@ def _send(out: BinaryIO, kind: bytes, *parts: Any) -> None:
 
 
 def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> None:
-    read = reader_of(name)
+    read, read_before = reader_of(name), bytes_read()
     header, items = read(path, options)
     size, source = options.size or header.size, "the option" if options.size else "the file"
     if size is None:
         size, source = infer_size(path, items, out), "the events"
+        read_before = bytes_read()
         header, items = read(path, options)
     if not all(0 < side <= MAX_SIDE_PX for side in size):
         raise FormatError(
@@ -140,6 +142,7 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
         "facts": header.facts,
         "has_frames": header.has_frames,
         "origin_us": origin_us,
+        "read_before": read_before,
     }
     _send(out, b"H", json.dumps(facts).encode())
     for item in _batched(shifted):

@@ -9,6 +9,7 @@ from tyro.conf import subcommand
 from flybench.version import __version__
 from scenarios.commands.characterise import Characterise
 from scenarios.commands.converge import Converge
+from scenarios.commands.convert import Convert
 from scenarios.commands.demo import Demo
 from scenarios.commands.detect import Detect
 from scenarios.commands.doctor import Doctor
@@ -30,6 +31,7 @@ Commands = (
     Annotated[Run, subcommand("run")]
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Detect, subcommand("detect")]
+    | Annotated[Convert, subcommand("convert")]
     | Annotated[Emulate, subcommand("emulate")]
     | Annotated[Study, subcommand("study")]
     | Annotated[Sweep, subcommand("sweep")]

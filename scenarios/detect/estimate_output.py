@@ -164,7 +164,7 @@ def _file_json(file: EventFile) -> dict[str, Any]:
     }
 
 
-def _file_rows(file: EventFile) -> list[tuple[str, str]]:
+def file_rows(file: EventFile) -> list[tuple[str, str]]:
     """Return the rows of the summary table about the file."""
     found = file.statistics
     rows = [
@@ -188,7 +188,7 @@ def _summary_table(
     file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
 ) -> Table:
     table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
-    for name, value in _file_rows(file):
+    for name, value in file_rows(file):
         table.add_row(name, value)
     for name, value in file.header_fields.items():
         table.add_row(escape(f"header: {name}"), escape(value))

@@ -1,0 +1,1 @@
+"""Conversion of recordings from one format to another."""
