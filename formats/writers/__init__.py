@@ -83,7 +83,9 @@ def write_events(
     height: int,
     format: str | None = None,  # noqa: A002
 ) -> None:
-    """Write chunks to a file, with their frames if the format supports frames.
+    """Write chunks to a file, with frames, IMU samples and triggers if the format supports them.
+
+    IMU samples and triggers before time 0 are left out.
 
     Args:
         path: path of the file; an existing file is replaced.
@@ -105,3 +107,6 @@ def write_events(
             if writer.takes_frames:
                 for frame in chunk.frames:
                     writer.write_frame(frame)
+            if writer.takes_samples:
+                writer.write_samples(chunk.imu[chunk.imu["t"] >= 0])
+                writer.write_samples(chunk.triggers[chunk.triggers["t"] >= 0])

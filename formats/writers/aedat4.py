@@ -1,42 +1,53 @@
-"""AEDAT 4: events are encoded by faery, frames by dv-processing.
+"""AEDAT 4: events, IMU samples and triggers are encoded by faery, frames by dv-processing.
 
 faery encodes events fast but cannot create frames. dv-processing creates frames but takes events
-one at a time. Frames therefore go to a second file, and faery merges both files at the end.
+one at a time. Frames therefore go to a second file. IMU samples and triggers go to a third, because
+the header of a file lists its streams. faery merges the files at the end.
 """
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Iterator
-from contextlib import suppress
-from itertools import chain
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, ClassVar
+
+import numpy.typing as npt
 
 from emulator import ApsFrame
 from flybench.events import Events
 from formats.errors import MissingLibraryError
+from formats.samples import IMU_DTYPE
 from formats.writers.base import EventWriter
-from formats.writers.faery_events import to_faery
+from formats.writers.faery_events import to_faery, to_faery_imu, to_faery_triggers
 
 PACKET = 10_000
 """Most events in a packet, as in files of dv-processing."""
 
 _PATH = "/mainloop/Recorder/outInfo/"
-_STREAMS = {"events": "EVTS", "frames": "FRME"}
+_STREAMS = {"events": "EVTS", "frames": "FRME", "imu": "IMUS", "triggers": "TRIG"}
+"""Identifier of each stream's type, by the stream's name."""
+
+_PACKET_KINDS = {"events": "events", "frame": "frames", "imus": "imu", "triggers": "triggers"}
+"""Name of a stream, by faery's name of its packets."""
 _SOURCE = "flybench"
 
 
 class Aedat4Writer(EventWriter):
-    """Writes events, and APS frames with 10-bit grey levels in 16-bit pixels."""
+    """Writes events, APS frames with 10-bit grey levels in 16-bit pixels, IMU samples, triggers."""
 
     takes_frames: ClassVar[bool] = True
+    takes_samples: ClassVar[bool] = True
 
     def _open(self, work: Path) -> None:
         self._encoder: Any = None
         self._frame_writer: Any = None
         self._dv: Any = None
-        self._frames_path, self._merged_path = (
-            work.with_name(f"{work.stem}.{name}{work.suffix}") for name in ("frames", "both")
+        self._sample_encoder: Any = None
+        self._frames_path, self._samples_path, self._merged_path = (
+            work.with_name(f"{work.stem}.{name}{work.suffix}")
+            for name in ("frames", "samples", "merged")
         )
         self._encoder = self._begin(work, ["events"])
 
@@ -72,26 +83,54 @@ class Aedat4Writer(EventWriter):
             self._dv.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
         )
 
+    def _write_samples(self, samples: npt.NDArray[Any]) -> None:
+        if self._sample_encoder is None:
+            self._sample_encoder = self._begin(self._samples_path, ["imu", "triggers"])
+        if samples.dtype == IMU_DTYPE:
+            self._sample_encoder.write(0, to_faery_imu(samples))
+        else:
+            self._sample_encoder.write(1, to_faery_triggers(samples))
+
     def _finish(self) -> None:
         self._close(self._encoder)
         self._encoder = None
-        if self._frame_writer is None:
-            return
-        self._frame_writer = None  # its destructor writes the last frames
-        encoder = self._begin(self._merged_path, ["events", "frames"])
-        try:
-            for stream, packet in _merged(self._work, self._frames_path):
-                encoder.write(stream, packet)
-        finally:
-            self._close(encoder)
-        self._merged_path.replace(self._work)
+        more = []
+        if self._frame_writer is not None:
+            self._frame_writer = None  # its destructor writes the last frames
+            more.append(self._frames_path)
+        if self._sample_encoder is not None:
+            self._close(self._sample_encoder)
+            self._sample_encoder = None
+            more.append(self._samples_path)
+        if more:
+            self._merge([*more, self._work])
+            self._merged_path.replace(self._work)
+
+    def _merge(self, paths: list[Path]) -> None:
+        """Merge files in order of time; of packets of one time, those of the first file first."""
+        from faery import aedat
+
+        with ExitStack() as stack:
+            packets = heapq.merge(
+                *(_packets(stack.enter_context(aedat.Decoder(path))) for path in paths),
+                key=lambda packet: packet[0],
+            )
+            names = ["events", *(["frames"] if self._frames_path in paths else [])]
+            names += ["imu", "triggers"] if self._samples_path in paths else []
+            encoder = self._begin(self._merged_path, names)
+            try:
+                for _, name, packet in packets:
+                    encoder.write(names.index(name), packet)
+            finally:
+                self._close(encoder)
 
     def _abandon(self) -> None:
         self._frame_writer = None
-        if self._encoder is not None:
-            with suppress(Exception):
-                self._close(self._encoder)
-        for path in (self._frames_path, self._merged_path):
+        for encoder in (self._encoder, self._sample_encoder):
+            if encoder is not None:
+                with suppress(Exception):
+                    self._close(encoder)
+        for path in (self._frames_path, self._samples_path, self._merged_path):
             path.unlink(missing_ok=True)
 
     @staticmethod
@@ -123,17 +162,9 @@ def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
     return aedat.DescriptionNode(name=str(number), path=path, attributes=attributes, nodes=[info])
 
 
-def _merged(events: Path, frames: Path) -> Iterator[tuple[int, Any]]:
-    """Yield (stream, packet) of both files in order of time: of a frame, its exposure's end."""
-    from faery import aedat
-
-    with aedat.Decoder(events) as event_packets, aedat.Decoder(frames) as frame_packets:
-        images = (packet for track, packet in frame_packets if track.data_type == "frame")
-        image = next(images, None)
-        for _, packet in event_packets:
-            while image is not None and image.exposure_end_t <= packet["t"][-1]:
-                yield 1, image
-                image = next(images, None)
-            yield 0, packet
-        for late in chain(() if image is None else (image,), images):
-            yield 1, late
+def _packets(decoder: Any) -> Iterator[tuple[int, str, Any]]:
+    """Yield the time of a packet's end, the name of its stream, and the packet."""
+    for track, packet in decoder:
+        is_frame = track.data_type == "frame"
+        end_us = packet.exposure_end_t if is_frame else packet["t"][-1]
+        yield int(end_us), _PACKET_KINDS[track.data_type], packet

@@ -8,7 +8,9 @@ from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
+
+import numpy.typing as npt
 
 from emulator import ApsFrame
 from flybench.errors import EventError
@@ -24,6 +26,7 @@ class EventWriter(ABC):
 
     Attributes:
         takes_frames: True if the format supports APS frames.
+        takes_samples: True if the format supports IMU samples and triggers.
         max_side_px: largest width or height of a sensor in the format [px].
         path: path of the file.
         width: sensor columns [px].
@@ -31,6 +34,7 @@ class EventWriter(ABC):
     """
 
     takes_frames: ClassVar[bool] = False
+    takes_samples: ClassVar[bool] = False
     max_side_px: ClassVar[int] = MAX_SIDE_PX
 
     def __init__(self, path: Path, *, width: int, height: int) -> None:
@@ -126,6 +130,32 @@ class EventWriter(ABC):
         except (OSError, RuntimeError) as error:
             raise self._as_format_error(error) from error
 
+    def write_samples(self, samples: npt.NDArray[Any]) -> None:
+        """Append IMU samples or triggers.
+
+        Args:
+            samples: array of `formats.IMU_DTYPE` or `formats.TRIGGER_DTYPE`; times from 0 on.
+
+        Raises:
+            FormatError: the format does not support them, or a time is negative.
+        """
+        if not self.takes_samples:
+            raise FormatError(
+                f"{self.path} has a format without IMU samples and triggers. Write AEDAT 4 "
+                "(.aedat4), or leave them out."
+            )
+        if not samples.size:
+            return
+        if int(samples["t"].min()) < 0:
+            raise FormatError(
+                f"{self.path} cannot be written: a sample has the time {samples['t'].min()} µs. "
+                "Allowed is 0 and later. Leave out those before the first event."
+            )
+        try:
+            self._write_samples(samples)
+        except (OSError, RuntimeError) as error:
+            raise self._as_format_error(error) from error
+
     @abstractmethod
     def _open(self, work: Path) -> None:
         """Create the temporary file `work`."""
@@ -136,6 +166,10 @@ class EventWriter(ABC):
 
     def _write_frame(self, frame: ApsFrame) -> None:
         """Append a frame that has been checked; called only if `takes_frames`."""
+        raise NotImplementedError
+
+    def _write_samples(self, samples: npt.NDArray[Any]) -> None:
+        """Append samples that have been checked; called only if `takes_samples`."""
         raise NotImplementedError
 
     @abstractmethod

@@ -87,4 +87,10 @@ def _write(writer: EventWriter, chunk: Chunk) -> Counts:
     frames = chunk.frames if writer.takes_frames else ()
     for frame in frames:
         writer.write_frame(frame)
-    return Counts(chunk.events.size, len(frames))
+    counts = []
+    for samples in (chunk.imu, chunk.triggers):
+        kept = samples[samples["t"] >= 0] if writer.takes_samples else samples[:0]
+        if kept.size:
+            writer.write_samples(kept)
+        counts.append(kept.size)
+    return Counts(chunk.events.size, len(frames), *counts)

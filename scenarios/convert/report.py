@@ -31,7 +31,8 @@ def print_conversion(file: EventFile, out: Path, totals: Totals) -> None:
     lost = zip(_KINDS, astuple(totals.unsupported), strict=True)
     listed = " and ".join(f"{count:,} {kind}" for kind, count in lost if count)
     if listed:
-        _note("note", f"{listed} were not written. This format cannot contain them.")
+        reason = "The new format has no place for them, or they come before the first event."
+        _note("note", f"{listed} were not written. {reason}")
     if totals.damage:
         _note("warning", totals.damage)
 

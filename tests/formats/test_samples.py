@@ -1,15 +1,16 @@
 """IMU samples and triggers beside the events of a file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import dv_processing as dv
 import numpy as np
 import pytest
 
-from formats import Chunk, TriggerKind, open_events
+from formats import Chunk, FormatError, TriggerKind, open_events, open_writer, write_events
 from formats.held_back import HeldBack
 from formats.samples import IMU_DTYPE
-from tests.formats.sample_files import SIZE
+from tests.formats.sample_files import SIZE, random_frames
 
 START_US = 1_700_000_000_000_000
 """A wall-clock time, as DV writes it [µs]."""
@@ -60,3 +61,42 @@ def test_samples_without_events_after_them_are_not_held_back_for_ever() -> None:
             released += Chunk(np.empty(0), *held.release_some()).imu.size
     assert released == 3 << 15
     assert held.release()[1].size == 2 << 15
+
+
+def test_samples_are_written_to_aedat4_in_order_of_time(tmp_path: Path) -> None:
+    write_with_dv(tmp_path / "a.aedat4")
+    frame = random_frames(1)[0]
+    with open_events(tmp_path / "a.aedat4") as file:
+        chunks = list(file)
+        chunks[-1] = replace(chunks[-1], frames=(frame,))
+        write_events(tmp_path / "b.aedat4", chunks, width=346, height=260)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.aedat4", "b.aedat4"]
+    with open_events(tmp_path / "b.aedat4") as file:
+        written = list(file)
+    for name in ("events", "imu", "triggers"):
+        before, after = (
+            np.concatenate([getattr(chunk, name) for chunk in part]) for part in (chunks, written)
+        )
+        assert np.array_equal(before[before["t"] >= 0], after)
+    assert file.statistics.frames == 1
+    recording = dv.io.MonoCameraRecording(str(tmp_path / "b.aedat4"))
+    imu, triggers = recording.getNextImuBatch(), recording.getNextTriggerBatch()
+    assert imu is not None
+    assert triggers is not None
+    assert imu[4].getAccelerations() == pytest.approx([6.867, -9.81, 4.905], rel=1e-4)  # m/s²
+    assert triggers[1].type == dv.TriggerType.APS_EXPOSURE_END
+
+
+def test_formats_without_samples_refuse_them(tmp_path: Path) -> None:
+    sample = np.zeros(1, IMU_DTYPE)
+    with (
+        open_writer(tmp_path / "a.npz", width=9, height=9) as writer,
+        pytest.raises(FormatError, match="without IMU samples"),
+    ):
+        writer.write_samples(sample)
+    sample["t"] = -5
+    with (
+        open_writer(tmp_path / "a.aedat4", width=9, height=9) as writer,
+        pytest.raises(FormatError, match="a sample has the time -5 µs"),
+    ):
+        writer.write_samples(sample)
