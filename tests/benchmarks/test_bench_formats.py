@@ -38,7 +38,7 @@ def events() -> Events:
 @pytest.mark.benchmark(
     group="10 M events read and detected in one pass [CPU]", timer=cpu_with_children_s
 )
-@pytest.mark.parametrize("ending", ["aedat4", "h5"])
+@pytest.mark.parametrize("ending", ["aedat4", "h5", "mcap"])
 def test_reading_and_detecting(
     benchmark: BenchmarkFixture, tmp_path: Path, events: Events, ending: str
 ) -> None:

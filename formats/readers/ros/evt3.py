@@ -7,21 +7,25 @@ clock overflows only when it falls by more than `_BACK_MAX`: event_camera_codecs
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from formats.columns import Array, EventColumns
-from formats.samples import TRIGGER_DTYPE, TriggerKind
+from formats.samples import TRIGGER_DTYPE, TriggerKind, empty_triggers
 
 _ROW, _PIXEL, _BASE, _VECTOR_12, _VECTOR_8 = 0x0, 0x2, 0x3, 0x4, 0x5
 _TIME_LOW, _TIME_HIGH, _TRIGGER = 0x6, 0x8, 0xA
 _STATE = (_TIME_HIGH, _TIME_LOW, _ROW, _BASE)
 _BACK_MAX = 10
-_LOW_BITS = 12
-_MASK = (1 << _LOW_BITS) - 1
+_VALUE_BITS = 12
+_MASK = (1 << _VALUE_BITS) - 1
 _X_MASK = 0x7FF
+_ON = 0x800
+
+_Pixels: TypeAlias = tuple[Array, Array, Array]
+"""Index of the word, column [px] and polarity of each event."""
 
 
 class Evt3Decoder:
@@ -41,94 +45,97 @@ class Evt3Decoder:
         Args:
             data: an even number of bytes.
         """
-        before = [kind << 12 | self._state[kind] for kind in _STATE if kind in self._state]
+        before = [kind << _VALUE_BITS | self._state[kind] for kind in _STATE if kind in self._state]
         words = np.concatenate([np.array(before, "<u2"), np.frombuffer(data, "<u2")])
-        kinds, values = words >> 12, (words & _MASK).astype(np.int64)
-        t_us = self._times(kinds, values)
-        row = latest(kinds == _ROW, values) & _X_MASK
-        base = latest(kinds == _BASE, values)
-        vector_x = (base & _X_MASK) + self._vector_offset(kinds)
-        at, x, on = _pixels(kinds, values, vector_x, base >> 11)
-        at_time = t_us[at] >= 0
-        at, x, on = at[at_time], x[at_time], on[at_time]
-        self._keep(kinds, values, vector_x, base)
-        return EventColumns(t_us[at], x, row[at], on), _triggers(kinds, values, t_us)
+        kinds, values = (words >> _VALUE_BITS).astype(np.uint8), (words & _MASK).astype(np.int32)
+        is_time = (kinds == _TIME_HIGH) | (kinds == _TIME_LOW)
+        times_us = self._times(kinds[is_time], values[is_time])
+        single = np.flatnonzero(kinds == _PIXEL)
+        at, x, on = single, values[single] & _X_MASK, values[single] >= _ON
+        vectors = np.flatnonzero((kinds == _VECTOR_12) | (kinds == _VECTOR_8))
+        if vectors.size:
+            at, x, on = _merged((at, x, on), self._vector_pixels(kinds, values, vectors))
+        for kind in (_TIME_HIGH, _TIME_LOW, _ROW):
+            self._keep(kind, values[kinds == kind])
+        if not vectors.size:
+            self._keep(_BASE, values[kinds == _BASE])
+        t_us = latest(is_time, times_us, at, before=-1)
+        row = latest(kinds == _ROW, values[kinds == _ROW] & _X_MASK, at)
+        known = t_us >= 0
+        events = EventColumns(t_us[known], x[known], row[known], on[known])
+        return events, _triggers(kinds, values, is_time, times_us)
 
     def _times(self, kinds: Array, values: Array) -> Array:
-        """Return the time at each word [µs]; -1 before the first complete time.
+        """Return the time after each word of time [µs]; -1 before the first complete time.
 
         The low part counts from 0 after a change of the high part until it is sent anew.
         """
-        is_high, is_low = kinds == _TIME_HIGH, kinds == _TIME_LOW
+        is_high = kinds == _TIME_HIGH
         highs = values[is_high]
-        falls = np.diff(highs, prepend=highs[:1])
-        loops = self._loops + np.cumsum(falls < -_BACK_MAX)
+        steps = np.diff(highs, prepend=highs[:1])
+        loops = self._loops + np.cumsum(steps < -_BACK_MAX)
         if highs.size:
             self._loops = int(loops[-1])
-        unwrapped = np.zeros_like(values)
-        unwrapped[is_high] = (loops << _LOW_BITS) | highs
-        changed = np.zeros_like(is_high)
-        changed[is_high] = falls != 0
-        high, low = latest(is_high, unwrapped), latest(is_low, values)
-        last_low = _last_index(is_low)
-        is_new = last_low > _last_index(changed)
-        first_high = int(np.argmax(is_high)) if highs.size else is_high.size
-        t_us = (high << _LOW_BITS) | np.where(is_new, low, 0)
-        return np.where(last_low > first_high, t_us, -1)
+        high = latest(is_high, loops << _VALUE_BITS | highs)
+        changes = latest(is_high, np.cumsum(steps != 0))
+        is_low = ~is_high
+        low = latest(is_low, values[is_low])
+        is_new = latest(is_low, changes[is_low]) == changes
+        known = latest(is_low, np.cumsum(is_high)[is_low]) > 0  # the low part came after a high one
+        return np.where(known, high << _VALUE_BITS | np.where(is_new, low, 0), -1)
 
-    @staticmethod
-    def _vector_offset(kinds: Array) -> Array:
-        """Return how far the vectors since the last base have moved x, before each word [px]."""
-        lengths = np.where(kinds == _VECTOR_12, 12, np.where(kinds == _VECTOR_8, 8, 0))
-        moved = np.cumsum(lengths) - lengths
-        return moved - latest(kinds == _BASE, moved)
+    def _vector_pixels(self, kinds: Array, values: Array, vectors: Array) -> _Pixels:
+        """Return the events of vectors of 12 or 8 pixels, which start at a base and follow it."""
+        lengths = np.where(kinds[vectors] == _VECTOR_12, 12, 8)
+        ends = np.cumsum(lengths)
+        bases = np.flatnonzero(kinds == _BASE)
+        moved_before = np.append(0, ends)[np.searchsorted(vectors, bases)]
+        base = latest(kinds == _BASE, values[bases], vectors)
+        start = (base & _X_MASK) + ends - lengths
+        start -= latest(kinds == _BASE, moved_before, vectors)
+        bits = (values[vectors, None] >> np.arange(12)) & (np.arange(12) < lengths[:, None])
+        which, bit = np.nonzero(bits & 1)
+        self._keep(_BASE, values[bases[-1:]])
+        if bases.size and vectors[-1] > bases[-1]:
+            x = min(int(start[-1] + lengths[-1]), _X_MASK)
+            self._keep(_BASE, base[-1:] & _ON | x)
+        return vectors[which], start[which] + bit, base[which] >= _ON
 
-    def _keep(self, kinds: Array, values: Array, vector_x: Array, base: Array) -> None:
-        for kind in (_TIME_HIGH, _TIME_LOW, _ROW):
-            found = np.flatnonzero(kinds == kind)
-            if found.size:
-                self._state[kind] = int(values[found[-1]])
-        if (kinds == _BASE).any():
-            last = int(kinds[-1])
-            length = 12 if last == _VECTOR_12 else 8 if last == _VECTOR_8 else 0
-            x = min(int(vector_x[-1]) + length, _X_MASK)
-            self._state[_BASE] = int(base[-1]) & 0x800 | x
-
-
-def _last_index(mask: Array) -> Array:
-    """Return the index of the last True up to each element; -1: none."""
-    indices = np.where(mask, np.arange(mask.size), -1)
-    return np.maximum.accumulate(indices)
+    def _keep(self, kind: int, values: Array) -> None:
+        if values.size:
+            self._state[kind] = int(values[-1])
 
 
-def latest(mask: Array, values: Array) -> Array:
-    """Return the latest of the masked values at each element; 0 before the first."""
-    index = _last_index(mask)
-    return np.where(index >= 0, values[index], 0)
+def latest(mask: Array, found: Array, at: Any = slice(None), *, before: int = 0) -> Array:
+    """Return the latest masked value at each element.
+
+    Args:
+        mask: which elements have a value.
+        found: the values, one for each masked element.
+        at: elements at which it is wanted; default: all.
+        before: value before the first masked element.
+    """
+    values: Array = np.append(found.dtype.type(before), found)
+    return values[np.cumsum(mask, dtype=np.int32)[at]]
 
 
-def _pixels(
-    kinds: Array, values: Array, vector_x: Array, vector_on: Array
-) -> tuple[Array, Array, Array]:
-    """Return the word, column [px] and polarity of each event, in order."""
-    single = np.flatnonzero(kinds == _PIXEL)
-    parts = [(single, values[single] & _X_MASK, values[single] >> 11 != 0)]
-    for kind, length in ((_VECTOR_12, 12), (_VECTOR_8, 8)):
-        words = np.flatnonzero(kinds == kind)
-        which, bit = np.nonzero((values[words, None] >> np.arange(length)) & 1)
-        word = words[which]
-        parts.append((word, vector_x[word] + bit, vector_on[word] != 0))
-    at, x, on = (np.concatenate(column) for column in zip(*parts, strict=True))
+def _merged(one: _Pixels, other: _Pixels) -> _Pixels:
+    """Return the pixels of both in the order of their words."""
+    at, x, on = (np.concatenate(both) for both in zip(one, other, strict=True))
     order = np.argsort(at, kind="stable")
     return at[order], x[order], on[order]
 
 
-def _triggers(kinds: Array, values: Array, t_us: Array) -> npt.NDArray[Any]:
-    at = np.flatnonzero((kinds == _TRIGGER) & (t_us >= 0))
+def _triggers(kinds: Array, values: Array, is_time: Array, times_us: Array) -> npt.NDArray[Any]:
+    at = np.flatnonzero(kinds == _TRIGGER)
+    if not at.size:
+        return empty_triggers()
     samples = np.zeros(at.size, TRIGGER_DTYPE)
-    rises = values[at] & 1 != 0
-    samples["t"], samples["channel"] = t_us[at], (values[at] >> 8) & 0xF
-    samples["kind"] = np.where(
-        rises, TriggerKind.EXTERNAL_RISING_EDGE, TriggerKind.EXTERNAL_FALLING_EDGE
+    samples["t"], samples["channel"] = (
+        latest(is_time, times_us, at, before=-1),
+        values[at] >> 8 & 0xF,
     )
-    return samples
+    samples["kind"] = np.where(
+        values[at] & 1 != 0, TriggerKind.EXTERNAL_RISING_EDGE, TriggerKind.EXTERNAL_FALLING_EDGE
+    )
+    return samples[samples["t"] >= 0]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formats.columns import EventColumns
+from formats.columns import Array, EventColumns
 from formats.readers.ros.evt3 import latest
 from formats.readers.ros.fields import MessageError
 from formats.readers.ros.messages import EventPacket
@@ -24,13 +24,15 @@ def decode_libcaer_compressed(packet: EventPacket) -> EventColumns:
     kinds, values = words >> 12, (words & _MASK).astype(np.int64)
     if kinds.size and kinds.max() > _VECTOR_8:
         raise MessageError(f"it has a word of the type {kinds.max()}; allowed is 0 to {_VECTOR_8}")
-    t_us = (latest(kinds == _TIME_HIGH, values) << 12) | latest(kinds == _TIME_LOW, values)
-    t_us += packet.time_base_ns // 1000
-    column = latest(kinds == _COLUMN, values) & _Y_MASK
-    base = latest(kinds == _BASE, values)
+
+    def last(kind: int, found: Array = values) -> Array:
+        return latest(kinds == kind, found[kinds == kind])
+
+    t_us = (last(_TIME_HIGH) << 12 | last(_TIME_LOW)) + packet.time_base_ns // 1000
+    column, base = last(_COLUMN) & _Y_MASK, last(_BASE)
     lengths = np.where(kinds == _VECTOR_8, 8, 0)
     moved = np.cumsum(lengths) - lengths
-    vector_y = (base & _Y_MASK) + moved - latest(kinds == _BASE, moved)
+    vector_y = (base & _Y_MASK) + moved - last(_BASE, moved)
     single, vectors = np.flatnonzero(kinds == _PIXEL), np.flatnonzero(kinds == _VECTOR_8)
     which, bit = np.nonzero((values[vectors, None] >> np.arange(8)) & 1)
     at = np.concatenate([single, vectors[which]])

@@ -8,7 +8,7 @@ import pytest
 
 from flybench.errors import FlybenchError
 from flybench.events import Events, concatenate_events
-from formats import ENDINGS, open_events, open_writer, read_events
+from formats import ENDINGS, open_events, read_events
 from scenarios.commands.convert import Convert
 from scenarios.commands.detect import Detect
 from tests.formats.sample_files import (
@@ -137,10 +137,9 @@ def test_the_recording_is_not_overwritten(tmp_path: Path) -> None:
 
 
 def test_the_share_that_was_read_grows_to_1(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    with open_writer(path, width=346, height=260) as writer:
-        writer.write(random_events(1_000_000))
-    with open_events(path) as file:
+    path = tmp_path / "a.npy"
+    np.save(path, random_events(2_000_000))
+    with open_events(path, size=SIZE) as file:
         found = [file.read_share for _ in file]
     shares = [share for share in found if share is not None]
     if shares:  # on Linux
