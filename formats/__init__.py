@@ -1,4 +1,4 @@
-"""Event recordings: read twelve formats of other tools and write six.
+"""Event recordings: read sixteen formats of other tools and write eight.
 
 `open_events` reads a file of any format in chunks and in constant memory. `open_writer` and
 `write_events` choose the format by the file's ending; the file appears only once it is complete.

@@ -32,8 +32,7 @@ WALL_US = 1_700_000_000_000_000
 
 
 @BAGS
-@pytest.mark.parametrize("package", ["dvs_msgs", "prophesee_event_msgs"])
-@pytest.mark.parametrize("count", [1, 2, 1999])
+@pytest.mark.parametrize(("package", "count"), [("dvs_msgs", 1), ("prophesee_event_msgs", 1999)])
 def test_event_arrays(tmp_path: Path, name: str, package: str, count: int) -> None:
     path, kind = tmp_path / name, f"{package}/msg/EventArray"
     parts = np.split(E, [count])
@@ -188,8 +187,9 @@ IMAGES: dict[str, Any] = {
 }
 
 
-@BAGS
-@pytest.mark.parametrize("encoding", IMAGES)
+@pytest.mark.parametrize(
+    ("name", "encoding"), list(zip(("a.bag", "a.db3", "a.mcap", "bag"), IMAGES, strict=True))
+)
 def test_images_and_imu_that_go_with_the_events(tmp_path: Path, name: str, encoding: str) -> None:
     path, grey = tmp_path / name, random_frames(1)[0].image & 0x3FC
     ros = ros_of(path)
@@ -243,6 +243,14 @@ def test_a_truncated_bag_gives_what_comes_before(tmp_path: Path, name: str) -> N
     whole = concatenate_events(got)
     assert 500 < whole.size < 1500
     assert np.array_equal(whole, E[: whole.size])
+
+
+@pytest.mark.parametrize("name", ["a.bag", "a.mcap"])
+def test_a_bag_truncated_before_its_first_message(tmp_path: Path, name: str) -> None:
+    path = write_bag(tmp_path / name, events_recorded(tmp_path / name, E, parts=1))
+    path.write_bytes(path.read_bytes()[: 4200 if name == "a.bag" else 100])
+    with pytest.raises(FormatError, match=r"a\.\w+ is truncated or damaged"):
+        open_events(path)
 
 
 def test_a_ros1_bag_that_was_never_closed(tmp_path: Path) -> None:

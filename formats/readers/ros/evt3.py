@@ -115,8 +115,9 @@ def latest(mask: Array, found: Array, at: Any = slice(None), *, before: int = 0)
         at: elements at which it is wanted; default: all.
         before: value before the first masked element.
     """
-    values: Array = np.append(found.dtype.type(before), found)
-    return values[np.cumsum(mask, dtype=np.int32)[at]]
+    values = np.append(found.dtype.type(before), found)
+    chosen: Array = values[np.cumsum(mask, dtype=np.int32)[at]]
+    return chosen
 
 
 def _merged(one: _Pixels, other: _Pixels) -> _Pixels:

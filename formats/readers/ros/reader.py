@@ -55,7 +55,7 @@ class _Content:
 
     def __init__(self, path: Path, bag: Bag, stated: Size | None) -> None:
         self._path, self._bag, self._decoder, self._shift = path, bag, PacketDecoder(), 0
-        self._first = _first_messages(bag)
+        self._first, self._damage = _first_messages(bag)
         self._events = self._event_topic()
         self._size, self._encoding = self._facts_of(self._events)
         chosen = [
@@ -128,6 +128,8 @@ class _Content:
         """Return the topic of events that is read: that of a left camera, or else the first."""
         topics = [t for t in self._bag.topics if t.kind in _EVENTS and t.name in self._first]
         events = [topic for topic in topics if self._facts_of(topic)[1] != "trigger"]
+        if not events and self._damage is not None:
+            raise self._damage
         if not events:
             found = ", ".join(f"{t.name} ({t.kind})" for t in self._bag.topics) or "none"
             raise FormatError(
@@ -159,10 +161,12 @@ class _Content:
         return size is None or frame.image.shape == size[::-1]
 
 
-def _first_messages(bag: Bag) -> dict[str, bytes]:
-    """Return the first message of each topic that can be decoded; an error ends the search."""
+def _first_messages(bag: Bag) -> tuple[dict[str, bytes], FormatError | None]:
+    """Return the first message of each topic that can be decoded, and the error that ends it."""
     missing = {topic.name for topic in bag.topics if topic.kind in _DECODED}
     first: dict[str, bytes] = {}
+    if bag.topics and not missing:
+        return first, None
     searched = 0
     try:
         for name, data in bag.messages(frozenset(missing)):
@@ -171,6 +175,6 @@ def _first_messages(bag: Bag) -> dict[str, bytes]:
             searched += len(data)
             if not missing or searched > SCAN_BYTES:
                 break
-    except FormatError:  # `items` raises it again, after what comes before
-        pass
-    return first
+    except FormatError as error:
+        return first, error
+    return first, None

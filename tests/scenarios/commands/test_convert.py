@@ -25,9 +25,8 @@ E = random_events(3000)
 
 
 @pytest.mark.parametrize("name", FILE_MAKERS)
-@pytest.mark.parametrize("ending", [".aedat4", ".mcap"])
-def test_every_format_is_converted(tmp_path: Path, name: str, ending: str) -> None:
-    source, out = make_file(tmp_path, name, E), tmp_path / f"out{ending}"
+def test_every_format_is_converted(tmp_path: Path, name: str) -> None:
+    source, out = make_file(tmp_path, name, E), tmp_path / "out.aedat4"
     size = "346x260" if name in WITHOUT_SIZE else None
     assert Convert(source, out, size=size).execute() == 0
     with open_events(out) as file:
