@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -25,7 +25,7 @@ _LONGEST_S = 1e9
 
 
 @dataclass(frozen=True)
-class Convert(RecordingOptions):
+class Convert:
     """Convert a recording of any event camera to another format, or cut it in time or space."""
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]
@@ -62,6 +62,7 @@ class Convert(RecordingOptions):
     ] = None
     salvage: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """If the file is damaged, write what comes before the damage, and print a warning."""
+    input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
         """Read, cut and write the recording, and print the counts."""
@@ -69,7 +70,7 @@ class Convert(RecordingOptions):
         self._check_out(path)
         from_us, to_us = self._span_us()
         check_not_rerun(path)
-        with self.open_recording(path) as file:
+        with self.input.open(path) as file:
             section = Section(from_us, to_us, self._crop_of(file))
             width, height = self._size_of(file, section)
             with open_writer(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -33,7 +33,7 @@ from scenarios.runs.run_table import view_command
 
 
 @dataclass(frozen=True)
-class Detect(RecordingOptions):
+class Detect:
     """Detect the direction of motion in a recording of any event camera."""
 
     file: Annotated[Path, tyro.conf.Positional]
@@ -53,13 +53,14 @@ class Detect(RecordingOptions):
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
     """Factor for all times of the detector, 0.001 to 1000; above 1 for slower motion."""
+    input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
         """Read the recording and print the estimates and the verdict."""
         path = events_file(self.file)
         self._check_outputs(path)
         check_not_rerun(path)
-        with self.open_recording(path) as file:
+        with self.input.open(path) as file:
             scaled = self._make_detector(file)
             with EstimateJson(sys.stdout) if self.json else EstimateTable(Console()) as printer:
                 verdict = self._read(file, scaled, printer)

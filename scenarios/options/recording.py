@@ -17,9 +17,9 @@ _SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
 _FROM_FILE = "(default: from the file, or inferred from its values)"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class RecordingOptions:
-    """What a recording does not state, or states wrongly: base of the commands that read one."""
+    """What a recording does not state, or states wrongly."""
 
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint=_FROM_FILE)] = None
     """Sensor size [px], such as 346x260, if the file does not state it, or states a wrong size."""
@@ -36,7 +36,7 @@ class RecordingOptions:
     ] = None
     """Unit of the timestamps, if a text, HDF5, NumPy or MATLAB file does not state it."""
 
-    def open_recording(self, path: Path) -> EventFile:
+    def open(self, path: Path) -> EventFile:
         """Open a recording with these options.
 
         Raises:

@@ -11,6 +11,7 @@ from flybench.events import Events, concatenate_events
 from formats import ENDINGS, open_events, read_events
 from scenarios.commands.convert import Convert
 from scenarios.commands.detect import Detect
+from scenarios.options.recording import RecordingOptions
 from tests.formats.sample_files import (
     FILE_MAKERS,
     SIZE,
@@ -27,8 +28,8 @@ E = random_events(3000)
 @pytest.mark.parametrize("name", FILE_MAKERS)
 def test_every_format_is_converted(tmp_path: Path, name: str) -> None:
     source, out = make_file(tmp_path, name, E), tmp_path / "out.aedat4"
-    size = "346x260" if name in WITHOUT_SIZE else None
-    assert Convert(source, out, size=size).execute() == 0
+    options = RecordingOptions("346x260" if name in WITHOUT_SIZE else None)
+    assert Convert(source, out, input=options).execute() == 0
     with open_events(out) as file:
         chunks = list(file)
     assert (file.width, file.height, file.size_source) == (*SIZE, "the file")
@@ -153,9 +154,9 @@ def test_detect_takes_the_same_input_options(
     events: Events = E.copy()
     events["t"] //= 1000
     source = make_file(tmp_path, "a.npz", events)
-    options = {"size": "346x260", "format": "npz", "time_unit": "ms"}
-    assert Detect(source, json=True, **options).execute() == 0  # type: ignore[arg-type]
+    options = RecordingOptions(size="346x260", format="npz", time_unit="ms")
+    assert Detect(source, json=True, input=options).execute() == 0
     found = json.loads(capsys.readouterr().out)["file"]
     assert (found["size_source"], found["last_us"]) == ("the option", int(events["t"][-1]) * 1000)
-    assert Convert(source, tmp_path / "b.npz", **options).execute() == 0  # type: ignore[arg-type]
+    assert Convert(source, tmp_path / "b.npz", input=options).execute() == 0
     assert np.array_equal(read_events(tmp_path / "b.npz")["t"], events["t"] * 1000)
