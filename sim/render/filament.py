@@ -23,6 +23,7 @@ from sim.errors import RendererError
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
+from sim.render.draw_order import DrawOrder
 from sim.render.free_memory import return_free_memory
 from sim.render.quiet_output import suppress_output
 from sim.render.vulkan import require_vulkan
@@ -69,6 +70,7 @@ class FilamentRenderer:
             self._renderable(int(geom))
             for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
         ]
+        self._draw_order = DrawOrder(self._context, self._resources, model)
         self._targets: dict[Any, Any] = {}
 
     def __enter__(self) -> FilamentRenderer:
@@ -82,6 +84,7 @@ class FilamentRenderer:
         with suppress_output():
             for name in (
                 "_targets",
+                "_draw_order",
                 "_shadowless",
                 "_renderables",
                 "_lights",
@@ -96,6 +99,7 @@ class FilamentRenderer:
         """Move geoms and lights to their poses in `data`, whose kinematics must be up to date."""
         self._lights.update(data)
         self._renderables.update(data)
+        self._draw_order.update(data)
         for renderable in self._shadowless:  # the update has reset this flag
             renderable.set_cast_shadow(False)
 
@@ -199,7 +203,8 @@ class FilamentRenderer:
         read.set_buffer(image)
         request = self._request(pose, rectangle, scale, target, **options)
         try:
-            self._context.wait_for_frame(self._context.render([request], [read]))
+            requests = self._draw_order.requests(request)
+            self._context.wait_for_frame(self._context.render(requests, [read]))
         except RuntimeError as error:
             raise RendererError(_DEVICE_LOST) from error
         if not is_colour and np.isnan(image[0, 0]):
