@@ -93,6 +93,7 @@ class Emulate:
     time_unit: Annotated[
         Unit | None,
         tyro.conf.arg(
+            metavar="s|ms|us|ns",
             help="Unit of the times in a text file or in the names of images.",
             help_behavior_hint="(default: decided by the values, and shown)",
         ),

@@ -54,7 +54,7 @@ def guess_unit(values: Sequence[Fraction], *, in_names: bool) -> tuple[Unit, str
     low, high = PLAUSIBLE_HZ
     for unit, hz in rates.items():
         if first <= values[0] * US_PER_UNIT[unit] < last and low <= hz <= high:
-            return unit, "they are Unix times of this century"
+            return unit, "Unix times of this century; --time-unit sets another"
     unit = min(units, key=lambda unit: abs(math.log(rates[unit] / USUAL_HZ)))
     numbers = "whole numbers" if whole else "fractions"
-    return unit, f"{numbers} that give {rounded(rates[unit], 3)} Hz"
+    return unit, f"{numbers} that give {rounded(rates[unit], 3)} Hz; --time-unit sets another"

@@ -30,7 +30,7 @@ def test_decimals_are_sorted_by_value_and_are_times(tmp_path: Path) -> None:
     assert levels(folder) == list(range(13))
     times = open_pictures(folder).times
     assert times.t_us.tolist() == [1000 * k for k in range(13)]
-    assert times.source == "names of the images, in s (fractions that give 1000 Hz)"
+    assert "in s (fractions that give 1000 Hz; --time-unit sets another)" in times.source
 
 
 @pytest.mark.parametrize(
