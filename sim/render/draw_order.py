@@ -19,6 +19,8 @@ import mujoco
 import numpy as np
 from mujoco import mjrf
 
+from sim.render.quiet_output import suppress_output
+
 MAX_STATES = 8
 """States of the materials after which older ones are deleted (assumed: flickering lamps need two).
 All materials are then created again, which costs a frame of one pixel for each."""
@@ -81,13 +83,20 @@ class DrawOrder:
             request: what the frame is to show.
         """
         self._drawn = True
-        while self._waiting:
-            self._scene.add_renderable(self._waiting.pop(0))
+        if self._waiting:
+            with suppress_output():  # Filament complains that these frames are short
+                self._create_waiting(request)
+        return [self._blank(request, request.target), request]
+
+    def _create_waiting(self, request: Any) -> None:
+        """Create the materials of the objects that wait, one in each frame."""
+        for renderable in self._waiting:
+            self._scene.add_renderable(renderable)
             read = mjrf.ReadRequest(target=self._pixel)
             read.set_buffer(np.empty((1, 1), np.float32))
             blank = [self._blank(request, self._pixel)]
             self._context.wait_for_frame(self._context.render(blank, [read]))
-        return [self._blank(request, request.target), request]
+        self._waiting.clear()
 
     def _blank(self, request: Any, target: Any) -> Any:
         """Return a request for the second scene that uses its materials and draws nothing."""

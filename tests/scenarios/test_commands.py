@@ -17,7 +17,7 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.runs.run_table import print_runs
 from sim import Lighting
 from sim.errors import RendererError
-from sim.render.vulkan import INSTALL_COMMAND, VulkanDevice
+from sim.render.vulkan import INSTALL_COMMAND, VECTOR_WIDTH, VulkanDevice
 
 
 def test_doctor_shows_device_and_speed(
@@ -39,6 +39,17 @@ def test_doctor_names_what_to_install(
     monkeypatch.setattr(doctor, "vulkan_devices", no_devices)
     assert Doctor().execute() == 1
     assert INSTALL_COMMAND in capsys.readouterr().out
+
+
+def test_doctor_says_that_the_vectors_are_too_narrow(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(VECTOR_WIDTH, "128")
+    assert Doctor().execute() == 1
+    printed = capsys.readouterr().out
+    assert f"{VECTOR_WIDTH} is 128" in printed
+    assert "Unset the variable" in printed
+    assert "per second" not in printed
 
 
 def test_without_vulkan_a_run_ends_with_an_error(
