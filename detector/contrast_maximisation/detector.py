@@ -200,6 +200,10 @@ class ContrastMaximisation(WindowedDetector):
 
     Its response is the image velocity [px/s]; hs and vs are its components relative to
     `limit_px_s`. It has no attention: its view centre is the image centre.
+
+    Attributes:
+        config: parameters.
+        memory_us: age of the oldest event in an estimate: the window [µs].
     """
 
     def __init__(
@@ -214,6 +218,7 @@ class ContrastMaximisation(WindowedDetector):
         """
         self.config = c = config or ContrastConfig()
         super().__init__(c.hop_us, width=width, height=height)
+        self.memory_us = c.window_us
         hops = c.window_us // c.hop_us
         self._window = deque([empty_events()] * hops, maxlen=hops)
         self._previous: Velocity | None = None

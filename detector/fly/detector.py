@@ -61,6 +61,7 @@ class FlyDetector:
 
     Attributes:
         config: parameters.
+        memory_us: age of the oldest event in an estimate [µs].
         maps: maps behind the last estimate.
     """
 
@@ -86,6 +87,7 @@ class FlyDetector:
                 f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
                 f"cells of {c.cell_px} px and spacing_cells = {c.spacing_cells}. Lower these."
             )
+        self.memory_us = c.memory_us
         self._width, self._height = width, height
         self._surfaces = TimeSurfaces(c, width=width, height=height)
         grid = self._surfaces.rows, self._surfaces.columns

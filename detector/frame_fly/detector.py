@@ -44,6 +44,10 @@ class FrameFly:
     Operating range: the correlators respond to motion by 2 to 6 cells a frame, and by a little more
     if the pattern is coarse. That is 80 to 240 px/s at 40 frames per second, and 20 to 60 px/s at
     10. With the preset "coarse", speeds are three times as high.
+
+    Attributes:
+        config: parameters.
+        memory_us: longest time constant of the delays [µs].
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class FrameFly:
                 f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
                 f"cells of {c.cell_px} px and offsets_cells = {c.offsets_cells}. Lower these."
             )
+        self.memory_us = max(c.delays_us)
         self._width, self._height = width, height
         grid = height // c.cell_px, width // c.cell_px
         self._centre = gaussian_kernel(c.kernel_centre_cells, c.sigma_centre_cells)

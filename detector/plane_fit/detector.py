@@ -149,6 +149,11 @@ class PlaneFit(WindowedDetector):
 
     Its response is the image velocity [px/s]; hs and vs are its components relative to
     `limit_px_s`. It has no attention: its view centre is the image centre.
+
+    Attributes:
+        config: parameters.
+        memory_us: age of the oldest event in an estimate: a neighbour of a fit at the start of the
+            window [µs].
     """
 
     def __init__(
@@ -163,6 +168,7 @@ class PlaneFit(WindowedDetector):
         """
         self.config = c = config or PlaneFitConfig()
         super().__init__(c.hop_us, width=width, height=height)
+        self.memory_us = c.window_us + c.span_us
         limits = FitLimits(c.radius_px, c.span_us, c.burst_us, c.least_neighbours, c.tolerance_px)
         self._surface = SurfaceSlopes(limits, width=width, height=height)
         hops = c.window_us // c.hop_us

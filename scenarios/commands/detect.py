@@ -20,7 +20,8 @@ from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, Esti
 from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice, run_detector
-from scenarios.detect.verdict import RecordingVerdict
+from scenarios.detect.spans import LEAST_SPAN_US
+from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_file import atomic_file, check_output_file
@@ -40,8 +41,16 @@ _FROM_FILE = "(default: from the file, or inferred from its values)"
 class Detect:
     """Detect the direction of motion in a recording of any event camera."""
 
-    file: Annotated[Path, tyro.conf.Positional]
-    """Recording to read, or the folder of a flybench run."""
+    file: Annotated[
+        Path,
+        tyro.conf.Positional,
+        tyro.conf.arg(
+            help="Recording to read, or the folder of a flybench run. The verdict is a direction "
+            f"if at least {LEAST_SHARE:.0%} of the steps that name a direction name it (assumed), "
+            f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). scenarios/README.md "
+            "gives all its limits."
+        ),
+    ]
     method: MethodName = FLY
     json: bool = False
     """Print one JSON document with estimates, verdict and file statistics instead of tables."""
@@ -92,12 +101,12 @@ class Detect:
         self, file: EventFile, scaled: ScaledDetector, printer: EstimatePrinter
     ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
-        verdict, plot_data = RecordingVerdict(), PlotData()
+        verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled) if self.rrd else None
             for part in run_detector(file, scaled.detector):
+                verdict.add(part)
                 for estimate in part.estimates:
-                    verdict.add(estimate)
                     printer.add(estimate)
                 if self.plot:
                     plot_data.add(part)
@@ -106,7 +115,7 @@ class Detect:
             _check_not_empty(file)
             if self.plot:
                 png = stack.enter_context(atomic_file(self.plot))
-                title = f"{self._title(file)}: {verdict.direction.value}"
+                title = f"{self._title(file)}: {verdict.word}\n{verdict.reason}"
                 write_plot(png, plot_data, (file.width, file.height), title)
         return verdict
 

@@ -16,11 +16,14 @@ from rich.table import Table
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
 from formats import EventFile
+from scenarios.detect.spans import Span
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.recording.entities import ARROW
 
 PAGE_ROWS = 50
 """Rows of the table that are printed at a time."""
+MOST_SPANS = 8
+"""Most spans of one direction in the summary (assumed: three lines of a terminal)."""
 _COLUMNS = (("time [s]", 13), ("HS", 7), ("VS", 7), ("direction", 10), ("strength", 9))
 
 
@@ -121,8 +124,7 @@ class EstimateJson(EstimatePrinter):
     ) -> None:
         """Complete the document and print it."""
         tail = {
-            "direction": verdict.direction.value,
-            "share": verdict.share,
+            **verdict.to_json(),
             "method": method,
             "scaled": dict(scaled),
             "file": {"name": str(file.path), **_file_json(file)},
@@ -192,15 +194,25 @@ def _summary_table(
     table.add_row("method", escape(method))
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
-    table.add_row("estimates", _counts(verdict))
-    direction = verdict.direction
-    share = f", {verdict.share:.0%} of the strength of all directions" if verdict.share else ""
-    arrow = ARROW.get(direction, "")
-    table.add_row("verdict", f"[bold]{arrow} {direction.value}[/bold]{share}")
+    table.add_row("steps", _shares(verdict))
+    table.add_row("spans", _spans(verdict))
+    word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()
+    table.add_row("verdict", f"[bold]{word}[/bold]: {verdict.reason}")
     return table
 
 
-def _counts(verdict: RecordingVerdict) -> str:
-    counts = sorted(verdict.counts.items(), key=lambda item: -item[1])
-    parts = ", ".join(f"{count:,} {direction.value}" for direction, count in counts)
-    return f"{verdict.steps:,}" + (f": {parts}" if parts else "")
+def _shares(verdict: RecordingVerdict) -> str:
+    parts = ", ".join(f"{share:.0%} {d.value}" for d, share in verdict.shares.items())
+    return f"{verdict.steps:,}" + (f": {parts}" if verdict.steps else "")
+
+
+def _spans(verdict: RecordingVerdict) -> str:
+    spans = verdict.spans
+    parts = [f"{s.direction.value} {_seconds(s)}" for s in spans[:MOST_SPANS]]
+    if len(spans) > MOST_SPANS:
+        parts.append(f"and {len(spans) - MOST_SPANS:,} more, which --json lists")
+    return ", ".join(parts) or "none"
+
+
+def _seconds(span: Span) -> str:
+    return f"{span.from_us * 1e-6:.2f} to {span.to_us * 1e-6:.2f} s"

@@ -31,7 +31,7 @@ def write_plot(png: Path, data: PlotData, size: tuple[int, int], title: str) -> 
         png: path of the file, in an existing folder.
         data: data of the recording.
         size: sensor columns and rows [px].
-        title: title of the figure.
+        title: title of the figure, one line or two.
     """
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder) / "figure"
@@ -95,9 +95,16 @@ def _draw_responses(axes: Any, data: PlotData) -> None:
     axes.plot(times_s, np.asarray(data.hs), color=HS, label="HS, rightward > 0")
     axes.plot(times_s, np.asarray(data.vs), color=VS, label="VS, downward > 0")
     axes.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    axes.set_ylim(-1.05, 1.05)
+    axes.set_ylim(*_response_limits(data))
     axes.set_ylabel("response")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def _response_limits(data: PlotData) -> tuple[float, float]:
+    """Return the range of the axis: the greatest response and a tenth more, both ways."""
+    responses = np.abs(np.concatenate([np.asarray(data.hs), np.asarray(data.vs)]))
+    greatest = float(responses.max(initial=0.0)) or 1.0
+    return -1.1 * greatest, 1.1 * greatest
 
 
 def _shade_directions(axes: Any, times_s: Any, directions: Any) -> None:

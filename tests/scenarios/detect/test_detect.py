@@ -49,8 +49,9 @@ def test_it_prints_estimates_and_verdict(
 ) -> None:
     assert execute(Detect(recording)) == 0
     out = capsys.readouterr().out
-    assert "← left" in out.splitlines()[-2]
-    for words in ("346 × 260 px", "npz", "kev/s", "ON, OFF", "strength"):
+    assert "← left: " in out
+    assert "steps name a direction, 100% of these left" in " ".join(re.sub("│", "", out).split())
+    for words in ("346 × 260 px", "npz", "kev/s", "ON, OFF", "strength", "spans", "left 0."):
         assert words in out
 
 
@@ -60,8 +61,10 @@ def test_with_json_standard_output_is_one_document(
     rrd, png = tmp_path / "a.rrd", tmp_path / "a.png"
     assert execute(Detect(recording, json=True, rrd=rrd, plot=png)) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["direction"] == "left"
+    assert document["direction"] == document["verdict"] == "left"
     assert len(document["steps"]) > 8
+    assert document["counts"]["left"] == sum(s["direction"] == "left" for s in document["steps"])
+    assert {span["direction"] for span in document["spans"]} == {"left"}
     assert set(document["steps"][0]) == {"t_us", "hs", "vs", "direction", "strength"}
     strongest = max(document["steps"], key=lambda step: step["strength"])
     assert strongest["direction"] == "left"
