@@ -42,7 +42,7 @@ LAYERS = {
     ),
     "scenarios": (
         "errors output pipeline options recording runs datasheet convergence "
-        "detect emulate envelope sweep velocity_sweep study commands cli"
+        "detect validate emulate envelope sweep velocity_sweep study commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

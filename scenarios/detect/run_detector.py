@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyMaps
 from emulator import ApsFrame
 from flybench.events import Events, empty_events
-from formats import Chunk, EventFile
+from formats import Chunk
 from scenarios.pipeline.feeding import feed, fly_maps
 
 SLICE_US = 10_000
@@ -37,15 +37,18 @@ class RecordingSlice:
     start_us: int
 
 
-def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice]:
+def run_detector(
+    file: Iterable[Chunk], detector: Detector, *, until_us: int = 0
+) -> Iterator[RecordingSlice]:
     """Run a fresh detector on a recording.
 
     The detector's time starts at the hop in which the recording starts, so that large timestamps
     cost no more than small ones.
 
     Args:
-        file: the recording.
+        file: the recording, or its chunks.
         detector: a detector that has not seen any events.
+        until_us: time that the recording reaches, if it is after the last event [µs].
 
     Yields:
         Slices in order of time.
@@ -71,7 +74,8 @@ def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice
             last = tuple(estimates[-1:]) or last
             yield _recording_slice(events, frames, estimates, detector, start_us)
     if start_us is not None:
-        estimates = feed(detector, empty_events(), until_us=now_us + 1, earlier=last)
+        end_us = max(now_us + 1, until_us - start_us)
+        estimates = feed(detector, empty_events(), until_us=end_us, earlier=last)
         yield _recording_slice(empty_events(), (), estimates, detector, start_us)
 
 

@@ -46,7 +46,7 @@ def test_the_size_of_chunks_does_not_matter(events: Events, size: int) -> None:
 
 def test_maps_belong_to_the_last_estimate(events: Events) -> None:
     fly = FlyDetector()
-    for part in run_detector([Chunk(events)], fly):  # type: ignore[arg-type]
+    for part in run_detector([Chunk(events)], fly):
         assert len(part.estimates) <= 1
         assert part.maps is fly.maps
 
@@ -118,7 +118,7 @@ def test_a_long_recording_is_written_in_constant_memory(
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="stateless", name="long", parameters={}, **options) as recorder:
         recorder._events._chunk_events = 500
-        for part in run_detector(chunks(), StatelessDetector()):  # type: ignore[arg-type]
+        for part in run_detector(chunks(), StatelessDetector()):
             recorder.log_events(part.events)
             for estimate in part.estimates:
                 recorder.log_estimate("stateless", estimate)
