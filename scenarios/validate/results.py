@@ -133,7 +133,10 @@ def _rows(result: WindowResult) -> Iterator[Sequence[Any]]:
 
 
 def print_results(console: Console, results: Sequence[WindowResult]) -> None:
-    """Print a table for each window, and one for all windows with motion and without."""
+    """Print a table for each window, and one for all windows with motion and without.
+
+    The sums over windows leave out those in which a method could not run.
+    """
     for result in results:
         _print_table(console, result.label, result.totals, moving=result.moves)
     for moving, title in ((True, "all windows with motion"), (False, "all windows without")):
@@ -151,7 +154,7 @@ def _print_table(
     for method, total in by_method.items():
         table.add_row(escape(method), *cells(total, moving=moving))
     console.print(table)
-    for method, total in by_method.items():
-        if total.note:
-            console.print(f"{method}: {total.note}", markup=False)
+    for note in dict.fromkeys(total.note for total in by_method.values() if total.note):
+        methods = ", ".join(method for method, total in by_method.items() if total.note == note)
+        console.print(f"{methods}: {note}", markup=False)
     console.print()

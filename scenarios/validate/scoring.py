@@ -96,7 +96,7 @@ class Total:
             right_verdicts=sum(score.verdict_is_right for score in ran),
             verdicts=sum(score.verdict != TOO_SHORT for score in ran),
             too_short=sum(score.verdict == TOO_SHORT for score in ran),
-            note="" if ran else ", ".join(dict.fromkeys(score.note for score in scores)),
+            note="" if ran else " ".join(dict.fromkeys(score.note for score in scores)),
         )
 
 
@@ -116,9 +116,9 @@ def score(method: str, stimulus: Stimulus, truth: Direction) -> Score:
     try:
         detector = find_method(method).make(width=stimulus.width, height=stimulus.height)
     except DetectorConfigError as error:
-        return Score(truth, note=f"cannot run on {stimulus.width} × {stimulus.height} px: {error}")
+        return Score(truth, note=str(error))
     if isinstance(detector, FrameDetector) and not stimulus.frames:
-        return Score(truth, note="needs APS frames, and this window has none")
+        return Score(truth, note="The method needs APS frames, and the window has none.")
     return _score(detector, stimulus, truth)
 
 

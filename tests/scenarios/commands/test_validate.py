@@ -54,14 +54,14 @@ def test_it_prints_and_writes_every_method_in_every_variant(
     printed = capsys.readouterr().out
     for words in ("box, 0.00 to 0.30 s: → right", "calm, 0.00 to 0.30 s: nothing moves"):
         assert words in printed
-    assert "frame-fly: needs APS frames" in printed
+    assert "frame-fly: The method needs APS frames" in printed
     rows = rows_of(out)
     assert len(rows) == 2 * len(TURNS) * 2
     truths = [row["truth"] for row in rows if row["method"] == "fly"]
     assert truths == ["right", "left", "down", "left", "up", *["none"] * 5]
     for row in rows:
         if row["method"] == "frame-fly":
-            assert (row["steps"], row["note"][:16]) == ("0", "needs APS frames")
+            assert (row["steps"], row["note"][:27]) == ("0", "The method needs APS frames")
         elif row["truth"] == "none":
             assert (row["right"], row["wrong"], row["false_alarms"]) == (row["steps"], "", "0")
             assert int(row["steps"]) == 29  # the last event is just before 0.3 s

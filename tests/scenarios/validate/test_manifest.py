@@ -7,11 +7,12 @@ from typing import Any
 import pytest
 
 from flybench.direction import Direction
-from scenarios.validate.keys import ManifestError
+from scenarios.validate.keys import RECORDING_KEYS, WINDOW_KEYS, ManifestError
 from scenarios.validate.manifest import PACKAGED, Window, read_manifest
 from tests.scenarios.validate.made_recordings import entry, write_manifest
 
 SHA = "0" * 64
+DOCUMENTATION = Path(__file__).parents[3] / "docs" / "real-recordings.md"
 
 
 def test_a_manifest_holds_recordings_and_windows(tmp_path: Path) -> None:
@@ -105,6 +106,16 @@ def test_missing_files_missing_keys_and_equal_names_are_refused(tmp_path: Path) 
     one = (entry("a", "a.npz", SHA), [RIGHT])
     with pytest.raises(ManifestError, match="2 recordings have name = 'a'"):
         read_manifest(write_manifest(tmp_path / "m.toml", one, one))
+
+
+def test_the_example_of_the_documentation_is_valid(tmp_path: Path) -> None:
+    text = DOCUMENTATION.read_text(encoding="utf-8")
+    path = tmp_path / "m.toml"
+    path.write_text(text.split("```toml\n")[1].split("```")[0], encoding="utf-8")
+    (recording,) = read_manifest(path).recordings
+    assert recording.windows[0].direction is Direction.RIGHT
+    for key in [*RECORDING_KEYS, *WINDOW_KEYS]:
+        assert f"`{key}`" in text
 
 
 def test_the_manifest_of_the_project_is_valid_and_complete() -> None:

@@ -81,7 +81,7 @@ def test_noise_is_right_without_a_direction() -> None:
 def test_a_method_that_cannot_run_says_why() -> None:
     assert "needs APS frames" in score("frame-fly", WINDOW, Direction.RIGHT).note
     small = Stimulus(empty_events(), (), 10, 10, 1000)
-    assert "cannot run on 10 × 10 px: The sensor is" in score("fly", small, Direction.RIGHT).note
+    assert "The sensor is 10×10 px. Allowed is" in score("fly", small, Direction.RIGHT).note
 
 
 def test_a_total_keeps_motion_and_stillness_apart() -> None:
