@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -17,11 +19,12 @@ from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.user_detectors import find_method
 from scenarios.validate.event_image import event_images
 from scenarios.validate.files import find_file
+from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import PACKAGED, Manifest, Recording, read_manifest
 from scenarios.validate.page import render_page
 from scenarios.validate.results import WindowResult, print_results, write_csv
 from scenarios.validate.scoring import Score, score
-from scenarios.validate.stimulus import read_stimuli
+from scenarios.validate.stimulus import check_recording, read_stimuli
 from scenarios.validate.turns import TURNS, Turn
 
 TABLE, PAGE = "results.csv", "report.html"
@@ -70,8 +73,10 @@ class Validate:
             find_method(name)
         manifest = read_manifest(self.manifest or PACKAGED).select(self.recording)
         check_output_folder(self.out)
-        with progress_bar() as bars:
+        with progress_bar() as bars, _naming(manifest.path):
             files = [find_file(manifest, r, self.folder, bars.track) for r in manifest.recordings]
+            for recording, path in zip(manifest.recordings, files, strict=True):
+                check_recording(recording, path)
             results = [
                 result
                 for recording, path in zip(manifest.recordings, files, strict=True)
@@ -96,6 +101,15 @@ class Validate:
         facts = {r.name: {"sha256": r.sha256, "licence": r.licence} for r in manifest.recordings}
         summary = {"manifest": str(manifest.path), "methods": methods, "recordings": facts}
         write_summary(work, {"command": "validate", **summary, "versions": versions()})
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Put the path of the manifest before the messages of its errors."""
+    try:
+        yield
+    except ManifestError as error:
+        raise ManifestError(f"{path}: {error}") from error
 
 
 def _results(

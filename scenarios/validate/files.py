@@ -44,32 +44,33 @@ def find_file(
     if not path.is_file():
         where = recording.url or recording.source
         raise ManifestError(
-            f"{manifest.path}: the file of {recording.name}, {path}, does not exist. Get it from "
+            f"The file of {recording.name}, {path}, does not exist. Get it from "
             f"{where}, or leave the recording out with --recording."
         )
-    _check_content(manifest, recording, path)
+    _check_content(recording, path)
     return path
 
 
-def _check_content(manifest: Manifest, recording: Recording, path: Path) -> None:
+def _check_content(recording: Recording, path: Path) -> None:
     try:
         with path.open("rb") as file:
             found = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise ManifestError(
-            f"{path} cannot be read ({error.strerror}). It is the file of {recording.name} in "
-            f"{manifest.path}. Change its permissions."
+            f"The file of {recording.name}, {path}, cannot be read ({error.strerror}). Change its "
+            "permissions."
         ) from error
     if found != recording.sha256:
         raise ManifestError(
-            f"{manifest.path}: sha256 of {recording.name} is {recording.sha256}, and {path} has "
+            f"sha256 of {recording.name} is {recording.sha256}, and {path} has "
             f"{found}. Get the right file from {recording.url or recording.source}, or correct "
             "the manifest if the windows are true for this file."
         )
 
 
 def _fetched(recording: Recording, url: str, progress: Callable[[str], Progress]) -> Path:
-    import pooch  # takes 80 ms, and most runs need it only here
+    import pooch  # takes 80 ms, as does requests; most runs do not need them
+    from requests import exceptions
 
     base = default_folder()
     if base is None:
@@ -89,7 +90,8 @@ def _fetched(recording: Recording, url: str, progress: Callable[[str], Progress]
             downloader=pooch.downloaders.choose_downloader(url, progressbar=bar),
         )
     except (OSError, ValueError) as error:  # OSError includes every error of requests
-        reason = str(error).splitlines()[0]
+        unreachable = isinstance(error, exceptions.ConnectionError | exceptions.Timeout)
+        reason = "the server does not answer" if unreachable else str(error).splitlines()[0]
         raise ManifestError(
             f"{recording.name} cannot be fetched from {url}: {reason}. Check the address and the "
             f"connection, or put the file into a folder as {recording.file} and give --folder DIR."

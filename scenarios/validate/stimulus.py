@@ -50,6 +50,17 @@ class _Part:
     frames: list[ApsFrame] = field(default_factory=list)
 
 
+def check_recording(recording: Recording, path: Path) -> None:
+    """Check that a file can be opened, and that all crops are inside its sensor.
+
+    Raises:
+        FormatError: the file cannot be opened.
+        ManifestError: a crop leaves the sensor.
+    """
+    with _open(recording, path) as file:
+        _boxes(recording, file)
+
+
 def read_stimuli(recording: Recording, path: Path) -> Sequence[Stimulus]:
     """Return the stimulus of each window, in the order of the manifest.
 
@@ -63,9 +74,8 @@ def read_stimuli(recording: Recording, path: Path) -> Sequence[Stimulus]:
             windows hold too many events.
     """
     parts = [_Part(window) for window in recording.windows]
-    options = {"format": recording.format, "time_unit": recording.time_unit}
-    with open_events(path, size=recording.size, **options) as file:
-        boxes = [_box(recording, window, file) for window in recording.windows]
+    with _open(recording, path) as file:
+        boxes = _boxes(recording, file)
         _read(recording, file, parts)
         statistics = file.statistics
     if not statistics.events:
@@ -100,14 +110,23 @@ def _read(recording: Recording, file: Iterable[Chunk], parts: Sequence[_Part]) -
             return
 
 
-def _box(recording: Recording, window: Window, file: EventFile) -> Box:
-    box = window.crop or (0, 0, file.width, file.height)
-    if box[2] > file.width or box[3] > file.height:
-        raise ManifestError(
-            f"{recording.name}: crop is {list(box)} and the sensor has {file.width} × "
-            f"{file.height} px. Allowed is a box inside the sensor. Correct crop, or give size."
-        )
-    return box
+def _open(recording: Recording, path: Path) -> EventFile:
+    return open_events(
+        path, size=recording.size, format=recording.format, time_unit=recording.time_unit
+    )
+
+
+def _boxes(recording: Recording, file: EventFile) -> list[Box]:
+    """Return the part of the sensor that each window uses."""
+    whole = (0, 0, file.width, file.height)
+    boxes = [window.crop or whole for window in recording.windows]
+    for box in boxes:
+        if box[2] > file.width or box[3] > file.height:
+            raise ManifestError(
+                f"{recording.name}: crop is {list(box)} and the sensor has {file.width} × "
+                f"{file.height} px. Allowed is a box inside the sensor. Correct crop, or give size."
+            )
+    return boxes
 
 
 def _check_ends(recording: Recording, span_us: int) -> None:

@@ -102,6 +102,16 @@ def test_an_error_leaves_the_earlier_result(
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
 
 
+def test_a_window_that_does_not_fit_names_the_manifest(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    late = manifest.with_name("late.toml")
+    late.write_text(manifest.read_text().replace("to_s = 0.3", "to_s = 3.0"))
+    assert execute(Validate(late, method=("fly",), out=tmp_path / "out")) == 2
+    assert f"flybench: {late}: box: to_s is 3 and the last event is at" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -11,7 +11,7 @@ from flybench.events import EVENT_DTYPE, Events
 from scenarios.validate import stimulus
 from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import Recording, Window
-from scenarios.validate.stimulus import read_stimuli
+from scenarios.validate.stimulus import check_recording, read_stimuli
 from tests.scenarios.validate.made_recordings import HEIGHT, WIDTH, write_recording
 
 
@@ -79,6 +79,13 @@ def test_a_window_beyond_the_recording_is_refused(
 ) -> None:
     with pytest.raises(ManifestError, match=f"made: {words}"):
         read(tmp_path, window, file="a.npz", frames=0)
+
+
+def test_a_crop_is_checked_before_the_events_are_read(tmp_path: Path) -> None:
+    write_recording(tmp_path / "a.npz", ramp())
+    windows = (Window(Direction.UP, crop=(0, 0, 9, 9)), Window(Direction.UP, crop=(0, 0, 9, 261)))
+    with pytest.raises(ManifestError, match=r"made: crop is \[0, 0, 9, 261\] and the sensor"):
+        check_recording(Recording("made", "a.npz", "", "", "", windows), tmp_path / "a.npz")
 
 
 def test_a_window_may_end_up_to_1_ms_after_the_last_event(tmp_path: Path) -> None:
