@@ -115,8 +115,8 @@ class Detect:
             _check_not_empty(file)
             if self.plot:
                 png = stack.enter_context(atomic_file(self.plot))
-                title = f"{self._title(file)}: {verdict.word}\n{verdict.reason}"
-                write_plot(png, plot_data, (file.width, file.height), title)
+                size = file.width, file.height
+                write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
 
     def _recorder(

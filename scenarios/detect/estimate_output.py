@@ -194,16 +194,11 @@ def _summary_table(
     table.add_row("method", escape(method))
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
-    table.add_row("steps", _shares(verdict))
+    table.add_row("shares", verdict.shares_text)
     table.add_row("spans", _spans(verdict))
     word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()
     table.add_row("verdict", f"[bold]{word}[/bold]: {verdict.reason}")
     return table
-
-
-def _shares(verdict: RecordingVerdict) -> str:
-    parts = ", ".join(f"{share:.0%} {d.value}" for d, share in verdict.shares.items())
-    return f"{verdict.steps:,}" + (f": {parts}" if verdict.steps else "")
 
 
 def _spans(verdict: RecordingVerdict) -> str:

@@ -69,6 +69,12 @@ class RecordingVerdict:
         return {d: n / self.steps if self.steps else 0.0 for d, n in self.counts.items()}
 
     @property
+    def shares_text(self) -> str:
+        """Number of steps, and their shares by direction."""
+        parts = ", ".join(f"{share:.0%} {d.value}" for d, share in self.shares.items())
+        return f"{self.steps:,} steps: {parts}"
+
+    @property
     def spans(self) -> Sequence[Span]:
         """Spans of time with one direction, in order of time."""
         return self._span_finder.spans

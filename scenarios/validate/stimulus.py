@@ -19,7 +19,7 @@ MOST_EVENTS = 20_000_000
 """Most events of all windows of a recording: 0.8 GB while they are turned (assumed)."""
 
 _ROUNDING_US = 1000
-"""A window may end this much after the last event, because people round to 1 ms [µs]."""
+"""A window may end this much after the last event, since times are read to 1 ms (assumed) [µs]."""
 
 
 @dataclass(frozen=True, eq=False)
