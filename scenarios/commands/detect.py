@@ -21,7 +21,7 @@ from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice, run_detector
 from scenarios.detect.spans import LEAST_SPAN_US
-from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us
+from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us, percent
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_file import atomic_file, check_output_file
@@ -46,7 +46,7 @@ class Detect:
         tyro.conf.Positional,
         tyro.conf.arg(
             help="Recording to read, or the folder of a flybench run. The verdict is a direction "
-            f"if at least {LEAST_SHARE:.0%} of the steps that name a direction name it (assumed), "
+            f"if at least {percent(LEAST_SHARE)} of the steps that name one name it (assumed), "
             f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). scenarios/README.md "
             "gives all its limits."
         ),

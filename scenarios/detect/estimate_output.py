@@ -194,7 +194,7 @@ def _summary_table(
     table.add_row("method", escape(method))
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
-    table.add_row("shares", verdict.shares_text)
+    table.add_row("all steps", verdict.shares_text)
     table.add_row("spans", _spans(verdict))
     word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()
     table.add_row("verdict", f"[bold]{word}[/bold]: {verdict.reason}")

@@ -99,7 +99,7 @@ def _draw_responses(axes: Any, data: PlotData, verdict: RecordingVerdict) -> Non
     times_s = np.asarray(data.t_us) * 1e-6
     _shade_directions(axes, times_s, np.asarray(data.direction))
     _outline_spans(axes, verdict)
-    axes.set_title(verdict.shares_text)
+    axes.set_title(f"{verdict.steps:,} steps: {verdict.shares_text}")
     axes.plot(times_s, np.asarray(data.hs), color=HS, label="HS, rightward > 0")
     axes.plot(times_s, np.asarray(data.vs), color=VS, label="VS, downward > 0")
     axes.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)

@@ -70,9 +70,8 @@ class RecordingVerdict:
 
     @property
     def shares_text(self) -> str:
-        """Number of steps, and their shares by direction."""
-        parts = ", ".join(f"{share:.0%} {d.value}" for d, share in self.shares.items())
-        return f"{self.steps:,} steps: {parts}"
+        """Shares of all steps by direction."""
+        return ", ".join(f"{percent(share)} {d.value}" for d, share in self.shares.items())
 
     @property
     def spans(self) -> Sequence[Span]:
@@ -116,7 +115,7 @@ class RecordingVerdict:
             return f"{named}; {length_s:.3g} s long, the method looks back {memory_s:g} s"
         if self.word == STILL:
             return named
-        lead = f"{named}, {self.share:.0%} of these {self.leading.value}"
+        lead = f"{named}, {self.counts[self.leading]:,} of these {self.leading.value}"
         return lead if self.spans else f"{lead}, and none holds for {LEAST_SPAN_US * 1e-6:g} s"
 
     def to_json(self) -> dict[str, Any]:
@@ -141,6 +140,13 @@ class RecordingVerdict:
                 "memory_us": self.memory_us,
             },
         }
+
+
+def percent(share: float) -> str:
+    """Format a share as a percentage, so that only 0 and 1 read "0 %" and "100 %"."""
+    if 0.0 < share < 0.005:
+        return "< 1 %"
+    return "> 99 %" if 0.995 <= share < 1.0 else f"{100 * share:.0f} %"
 
 
 def memory_us(detector: Detector) -> int:

@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from flybench.direction import Direction
+from scenarios.detect.verdict import percent
 from scenarios.output.tables import write_table
 from scenarios.recording.entities import ARROW
 from scenarios.validate.manifest import Recording, Window
@@ -108,7 +109,7 @@ def _verdicts(total: Total) -> str:
 
 
 def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100 * share:.0f} %"
+    return "–" if share is None else percent(share)
 
 
 def write_csv(path: Path, results: Sequence[WindowResult]) -> None:

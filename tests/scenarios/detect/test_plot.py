@@ -42,12 +42,12 @@ def test_the_axis_of_the_responses_follows_the_data(responses: list[float], limi
 
 def test_the_title_says_how_many_steps_decided() -> None:
     assert drawn([-0.1] * 6).get_suptitle() == (
-        "a.raw, fly: left\n6 of 6 steps name a direction, 100% of these left"
+        "a.raw, fly: left\n6 of 6 steps name a direction, 6 of these left"
     )
 
 
 def test_the_figure_shows_shares_and_spans() -> None:
     axes = response_axes(drawn([-0.1] * 6))
-    assert axes.get_title() == ("6 steps: 0% right, 100% left, 0% up, 0% down, 0% none")
+    assert axes.get_title() == ("6 steps: 0 % right, 100 % left, 0 % up, 0 % down, 0 % none")
     spans = [p for p in axes.patches if p.get_label() == "spans of one direction"]
     assert [(p.get_x(), p.get_width()) for p in spans] == [(0.0, pytest.approx(0.06))]

@@ -56,11 +56,26 @@ def test_the_verdict_follows_the_steps(steps: str, word: str) -> None:
 def test_two_of_58_steps_are_said_to_be_two_of_58() -> None:
     found = judged("." * 56 + "rr")
     assert found.reason == (
-        "2 of 58 steps name a direction, 100% of these right, and none holds for 0.05 s"
+        "2 of 58 steps name a direction, 2 of these right, and none holds for 0.05 s"
     )
     assert found.shares[Direction.RIGHT] == pytest.approx(2 / 58)
     assert found.shares[Direction.NONE] == pytest.approx(56 / 58)
     assert sum(found.shares.values()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.0, "0 %"),
+        (0.001, "< 1 %"),
+        (0.006, "1 %"),
+        (0.994, "99 %"),
+        (0.999, "> 99 %"),
+        (1.0, "100 %"),
+    ],
+)
+def test_only_all_steps_are_100_percent(share: float, text: str) -> None:
+    assert verdict.percent(share) == text
 
 
 def test_a_recording_shorter_than_the_memory_is_too_short() -> None:
