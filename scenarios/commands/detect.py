@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -26,8 +25,9 @@ from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import EVENTS
-from scenarios.output.terminal import run_cli
-from scenarios.pipeline.feeding import fly_maps
+from scenarios.output.streams import own_output
+from scenarios.output.terminal import report_failures, run_cli
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
@@ -91,20 +91,27 @@ class Detect:
             path, format=self.format, size=self._size(), time_unit=self.time_unit
         ) as file:
             scaled = self._make_detector(file)
-            with EstimateJson(sys.stdout) if self.json else EstimateTable(Console()) as printer:
-                verdict = self._read(file, scaled, printer)
-                printer.finish(file, self.method, scaled.changes, verdict)
+            size = {"width": file.width, "height": file.height}
+            feed = DetectorFeed(self.method, scaled.detector, **size)
+            with self._printer() as printer:
+                verdict = self._read(file, scaled, feed, printer)
+                failure = None if feed.failure is None else str(feed.failure)
+                printer.finish(file, self.method, scaled.changes, verdict, failure)
         self._print_outputs()
-        return 0
+        return report_failures([failure] if failure else [])
+
+    def _printer(self) -> EstimatePrinter:
+        stream = own_output()
+        return EstimateJson(stream) if self.json else EstimateTable(Console(file=stream))
 
     def _read(
-        self, file: EventFile, scaled: ScaledDetector, printer: EstimatePrinter
+        self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
     ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
         verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled) if self.rrd else None
-            for part in run_detector(file, scaled.detector):
+            for part in run_detector(file, feed):
                 verdict.add(part)
                 for estimate in part.estimates:
                     printer.add(estimate)
@@ -194,7 +201,7 @@ class Detect:
                 )
 
     def _print_outputs(self) -> None:
-        console = Console(stderr=True) if self.json else Console()
+        console = Console(stderr=True) if self.json else Console(file=own_output())
         if self.plot:
             console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
         if self.rrd:

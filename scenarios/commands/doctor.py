@@ -13,6 +13,7 @@ from importlib.metadata import version
 from rich.console import Console
 from rich.table import Table
 
+from scenarios.output.streams import own_output, say
 from scenarios.output.terminal import run_cli
 from sim import Crossing, CrossingConfig
 from sim.render.vulkan import INSTALL_COMMAND, VECTOR_WIDTH, vector_width_problem, vulkan_devices
@@ -44,14 +45,14 @@ class Doctor:
         if not (no_driver or problem):
             fps = luminance_frames_per_second(FRAMES)
             table.add_row("luminance frames", f"{fps:.1f} per second (346×260, 2×2 supersampled)")
-        Console().print(table)
+        Console(file=own_output()).print(table)
         if no_driver:
-            print(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
+            say(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
             return 1
         if problem:
-            print(f"This machine cannot render: {problem}")
+            say(f"This machine cannot render: {problem}")
             return 1
-        print("This machine can render. Nothing is missing.")
+        say("This machine can render. Nothing is missing.")
         return 0
 
 

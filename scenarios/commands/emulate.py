@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -27,6 +26,7 @@ from scenarios.emulate.pictures import open_pictures
 from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import check_output_file
+from scenarios.output.streams import complain, own_output
 from scenarios.output.terminal import progress_bar, run_cli
 
 WHITE_CD_M2 = 200.0
@@ -221,11 +221,11 @@ class Emulate:
         for name, value in rows.items():
             if name != "interpolated" or self.interpolate:
                 table.add_row(name, value)
-        Console().print(table)
+        Console(file=own_output()).print(table)
 
 
 def _print_note(text: str, *, kind: str = "warning") -> None:
-    print(f"flybench: {kind}: {text}", file=sys.stderr)
+    complain(f"{kind}: {text}")
 
 
 if __name__ == "__main__":

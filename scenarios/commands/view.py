@@ -12,6 +12,7 @@ import tyro
 
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_folder import RECORDING
+from scenarios.output.streams import say
 from scenarios.output.terminal import has_display, run_cli
 from scenarios.recording.screenshot import screenshot
 
@@ -57,7 +58,7 @@ class View:
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
             screenshot(recordings[0], self.screenshot, at_s=self.at_s)
-            print(f"wrote {self.screenshot}, a picture of {recordings[0]}")
+            say(f"wrote {self.screenshot}, a picture of {recordings[0]}")
             return 0
         if not self.web and not has_display():
             raise ScenarioError(

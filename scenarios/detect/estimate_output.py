@@ -43,7 +43,12 @@ class EstimatePrinter(ABC):
 
     @abstractmethod
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print the rest and the summary.
 
@@ -52,6 +57,7 @@ class EstimatePrinter(ABC):
             method: name of the detector.
             scaled: parameters of the detector that were scaled, by name.
             verdict: verdict over all estimates.
+            failure: reason why the detector failed; None if it did not.
         """
 
 
@@ -73,11 +79,16 @@ class EstimateTable(EstimatePrinter):
             self._flush()
 
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print the last page and a summary table."""
         self._flush()
-        self._console.print(_summary_table(file, method, scaled, verdict))
+        self._console.print(_summary_table(file, method, scaled, verdict, failure))
 
     def _flush(self) -> None:
         if not self._pending:
@@ -120,12 +131,18 @@ class EstimateJson(EstimatePrinter):
         self._separator = ",\n"
 
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Complete the document and print it."""
         tail = {
             **verdict.to_json(),
             "method": method,
+            "failed": failure,
             "scaled": dict(scaled),
             "file": {"name": str(file.path), **_file_json(file)},
         }
@@ -138,11 +155,11 @@ class EstimateJson(EstimatePrinter):
 def _estimate_json(estimate: MotionEstimate) -> dict[str, Any]:
     e = estimate
     return {
-        "t_us": int(e.t_us),
-        "hs": float(e.hs),
-        "vs": float(e.vs),
+        "t_us": e.t_us,
+        "hs": e.hs,
+        "vs": e.vs,
         "direction": e.direction.value,
-        "strength": float(e.strength),
+        "strength": e.strength,
     }
 
 
@@ -183,7 +200,11 @@ def _file_rows(file: EventFile) -> list[tuple[str, str]]:
 
 
 def _summary_table(
-    file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    file: EventFile,
+    method: str,
+    scaled: Mapping[str, Any],
+    verdict: RecordingVerdict,
+    failure: str | None,
 ) -> Table:
     table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
     for name, value in _file_rows(file):
@@ -194,6 +215,8 @@ def _summary_table(
     table.add_row("method", escape(method))
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
+    if failure:
+        table.add_row("failed", escape(failure))
     table.add_row("all steps", verdict.shares_text)
     table.add_row("spans", _spans(verdict))
     word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()

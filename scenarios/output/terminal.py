@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import tyro
@@ -14,7 +14,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.errors import FlybenchError
+from scenarios.errors import is_interrupt
 from scenarios.output.repetition import check_repetition
+from scenarios.output.streams import (
+    claim_output,
+    complain,
+    discard_output,
+    own_output,
+    prepare_streams,
+)
 
 
 class Command(Protocol):
@@ -84,13 +92,35 @@ def run_cli(command: Any, *, prog: str | None = None, description: str | None = 
         prog: name of the program in the help; None: that of the script.
         description: text above the options in the help; None: the docstring of the class.
     """
+    prepare_streams()
     try:
         chosen = tyro.cli(command, prog=prog, description=description)
         check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
     except FlybenchError as error:  # raised by arguments that check themselves
-        print(f"flybench: {error}", file=sys.stderr)
+        complain(str(error))
         sys.exit(2)
+    except SystemExit as end:  # the help is printed, or an argument is wrong
+        sys.exit(_flushed(end.code))
+    except BrokenPipeError:
+        discard_output()
+        sys.exit(1)
+    claim_output()
     sys.exit(execute(chosen))
+
+
+def _flushed(status: Any) -> Any:
+    """Flush our output, and return the status; 1 if the output cannot be written."""
+    try:
+        if own_output() is not None:
+            own_output().flush()
+    except BrokenPipeError:
+        discard_output()
+        return 1
+    except OSError as error:
+        discard_output()
+        complain(f"standard output cannot be written ({error.strerror}).")
+        return 1
+    return status
 
 
 def execute(command: Command) -> int:
@@ -101,23 +131,38 @@ def execute(command: Command) -> int:
     """
     _handle_signals_as_interrupt()
     try:
-        return command.execute()
+        return int(_flushed(command.execute()))
     except FlybenchError as error:
-        print(f"flybench: {error}", file=sys.stderr)
+        complain(str(error))
         return 2
     except KeyboardInterrupt:
         return _interrupted()
     except SystemError as error:
-        if not _is_interrupt(error):
+        if not is_interrupt(error):
             raise
         return _interrupted()
-    except BrokenPipeError:  # the reader of our output has closed it; discard the rest
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the reader of our output has closed it
+        discard_output()
         return 1
 
 
+def report_failures(reasons: Iterable[str]) -> int:
+    """Print the reasons why detectors failed on standard error.
+
+    Returns:
+        The exit status of a command whose other results are complete: 1 if a detector failed.
+    """
+    status = 0
+    for reason in reasons:
+        complain(reason)
+        status = 1
+    return status
+
+
 def _handle_signals_as_interrupt() -> None:
-    """Handle SIGTERM and SIGHUP like Ctrl-C, but leave SIGHUP ignored under nohup."""
+    """Raise KeyboardInterrupt on Ctrl-C, SIGTERM and SIGHUP; leave ignored signals ignored."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     hangup = getattr(signal, "SIGHUP", None)  # Windows does not have it
     if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
@@ -125,13 +170,5 @@ def _handle_signals_as_interrupt() -> None:
 
 
 def _interrupted() -> int:
-    with suppress(OSError):  # the terminal may be closed
-        print("flybench: interrupted", file=sys.stderr)
+    complain("interrupted")
     return 130
-
-
-def _is_interrupt(error: BaseException | None) -> bool:
-    """Return True if Ctrl-C caused the error: numba turns it into a SystemError."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from statistics import median
 
 from detector.errors import DetectorConfigError
-from detector.estimate import Detector, FrameDetector
+from detector.estimate import FrameDetector
 from flybench.direction import Direction
 from flybench.events import empty_events
 from formats import Chunk
 from scenarios.detect.run_detector import run_detector
 from scenarios.detect.verdict import STILL, TOO_SHORT, RecordingVerdict, memory_us
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.user_detectors import find_method
 from scenarios.validate.stimulus import Stimulus
 
@@ -119,17 +120,20 @@ def score(method: str, stimulus: Stimulus, truth: Direction) -> Score:
         return Score(truth, note=str(error))
     if isinstance(detector, FrameDetector) and not stimulus.frames:
         return Score(truth, note="The method needs APS frames, and the window has none.")
-    return _score(detector, stimulus, truth)
+    feed = DetectorFeed(method, detector, width=stimulus.width, height=stimulus.height)
+    return _score(feed, stimulus, truth)
 
 
-def _score(detector: Detector, stimulus: Stimulus, truth: Direction) -> Score:
-    verdict = RecordingVerdict(memory_us(detector))
+def _score(feed: DetectorFeed, stimulus: Stimulus, truth: Direction) -> Score:
+    verdict = RecordingVerdict(memory_us(feed.detector))
     first_right_us: int | None = None
-    for part in run_detector(_chunks(stimulus), detector, until_us=stimulus.duration_us):
+    for part in run_detector(_chunks(stimulus), feed, until_us=stimulus.duration_us):
         verdict.add(part)
         for estimate in part.estimates:
             if estimate.direction is truth and first_right_us is None:
                 first_right_us = int(estimate.t_us)
+    if feed.failure is not None:
+        return Score(truth, note=str(feed.failure))
     counts, moves = verdict.counts, truth is not Direction.NONE
     return Score(
         truth,

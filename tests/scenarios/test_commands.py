@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.commands import doctor
+from scenarios.commands import doctor, velocity_sweep
 from scenarios.commands.demo import Demo
 from scenarios.commands.doctor import Doctor
 from scenarios.commands.run import Run
@@ -101,6 +101,25 @@ def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
     assert len({row["grms"] for row in rows}) == 2  # one rendering, two sensors
     summary = json.loads((out / "summary.json").read_text())
     assert summary["spearman"] == {"day": {"0": None, "1": None}}
+
+
+def test_a_velocity_sweep_keeps_the_velocities_at_which_the_detector_works(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def measure(config: RunConfig, *_: object, **__: object) -> list[dict[str, object]]:
+        if config.crossing.omega_rad_s == 2.0:
+            raise MethodError("mine:Own: push raised an error")
+        return [{"omega_rad_s": config.crossing.omega_rad_s}]
+
+    printed: list[object] = []
+    monkeypatch.setattr(velocity_sweep, "measure_velocity", measure)
+    monkeypatch.setattr(velocity_sweep, "print_rows", printed.extend)
+    assert VelocitySweep(omegas=(1.0, 2.0, 2.5)).execute() == 1
+    assert printed == [{"omega_rad_s": 1.0}, {"omega_rad_s": 2.5}]
+    reason = "flybench: mine:Own: push raised an error (sequence day_right_2rad_s_seed0"
+    assert reason in capsys.readouterr().err
+    assert execute(VelocitySweep(omegas=(2.0,))) == 2
+    assert reason in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("seeds", [0, 101])
