@@ -67,8 +67,8 @@ def claim_output() -> None:
     Anything else that is printed goes to standard error from now on: by Python code, by C code that
     writes to file descriptor 1, and by processes that are started.
     """
-    own = sys.stdout
-    if _Own.stream is not None or own is None or own is not sys.__stdout__:
+    own = sys.__stdout__
+    if _Own.stream is not None or own is None or own is not sys.stdout:
         return
     own.flush()
     descriptor = os.dup(own.fileno())

@@ -109,16 +109,12 @@ def run_cli(command: Any, *, prog: str | None = None, description: str | None = 
 
 
 def _flushed(status: Any) -> Any:
-    """Flush our output, and return the status; 1 if the output cannot be written."""
+    """Flush our output, and return the status; 1 if the reader of our output has closed it."""
     try:
         if own_output() is not None:
             own_output().flush()
     except BrokenPipeError:
         discard_output()
-        return 1
-    except OSError as error:
-        discard_output()
-        complain(f"standard output cannot be written ({error.strerror}).")
         return 1
     return status
 

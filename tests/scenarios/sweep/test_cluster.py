@@ -136,9 +136,12 @@ def test_a_lost_cluster_is_one_sentence_and_finished_points_are_kept(
         address, scheduler = stack.enter_context(running_scheduler(tmp_path))
         worker = stack.enter_context(running_worker(tmp_path, address))
         killed = {"scheduler": scheduler, "worker": worker}[lost]
-        killing = threading.Thread(
-            target=lambda: (wait_until(lambda: finished_points(folder) >= 3), killed.kill())
-        )
+
+        def kill() -> None:
+            wait_until(lambda: finished_points(folder) >= 3)
+            killed.kill()
+
+        killing = threading.Thread(target=kill)
         killing.start()
         with pytest.raises(ScenarioError) as raised:
             sweep_on_cluster(file, folder, address)
@@ -154,9 +157,12 @@ def test_a_lost_cluster_is_one_sentence_and_finished_points_are_kept(
 def test_an_error_in_a_task_is_one_sentence(scheduler: str, tmp_path: Path) -> None:
     with (
         running_worker(tmp_path, scheduler),
-        pytest.raises(ScenarioError, match=r"A task failed .* TypeError: bad operand.* Check that"),
+        pytest.raises(
+            ScenarioError,
+            match=r"A task failed .* TypeError: object of type .int. has no len.* Check that",
+        ),
     ):
-        list(run_on_cluster(abs, ["text"], address=scheduler))  # type: ignore[list-item]
+        list(run_on_cluster(len, [1], address=scheduler))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -173,5 +179,5 @@ def test_a_server_that_is_no_scheduler_is_refused(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("scenarios.pipeline.cluster._TIMEOUT_S", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(ScenarioError, match="No Dask scheduler answers at .*timed out"):
+        with pytest.raises(ScenarioError, match=r"No Dask scheduler answers at .*timed out"):
             list(run_on_cluster(abs, [1], address=address))
