@@ -31,9 +31,9 @@ def describe(error: BaseException) -> str:
     """
     first_line, *_ = [*str(error).splitlines(), ""]
     text = f"{type(error).__name__}: {first_line}"
-    if isinstance(error, SyntaxError):  # its message names file and line
-        return text
     places = traceback.extract_tb(error.__traceback__)
+    if isinstance(error, SyntaxError) or not places:  # the former names file and line itself
+        return text
     own = [place for place in places if not place.filename.startswith(_LIBRARIES)]
     last = (own or places)[-1]
     return f"{text} ({Path(last.filename).name}, line {last.lineno})"

@@ -132,6 +132,9 @@ def _client(distributed: Any, address: str) -> Any:
             f"The Dask scheduler at {address} has no worker. At least one is needed. Start workers "
             f"on each machine with: dask worker {address} --nthreads 1 --nworkers auto"
         ) from error
+    except Exception as error:
+        client.close()
+        raise _lost_error(address, error) from error
     return client
 
 
