@@ -13,6 +13,7 @@ from rich.console import Console
 
 from scenarios.options.method import ALLOWED_METHODS
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import own_output, say
 from scenarios.output.terminal import ProgressBars, progress_bar, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import DETECTORS
@@ -84,8 +85,8 @@ class Validate:
             ]
         with atomic_folder(self.out) as work:
             self._write(work, manifest, methods, results)
-        print_results(Console(), results)
-        print(f"wrote {self.out / PAGE}")
+        print_results(Console(file=own_output()), results)
+        say(f"wrote {self.out / PAGE}")
         return 0
 
     def _write(
