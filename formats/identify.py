@@ -23,6 +23,9 @@ FORMATS = {
 }
 """Formats that can be read: name, as `open_events(format=...)` takes it, and description."""
 
+TABLES = ("hdf5", "npz", "npy", "text")
+"""Formats in which the order of columns may be unknown."""
+
 _MAGIC = {
     b"#!AER-DAT4.": "aedat4",
     b"#!AER-DAT3.1": "aedat3",

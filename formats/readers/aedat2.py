@@ -65,6 +65,12 @@ _CHIPS = {
 """Chips by a regular expression for the name of their class in jAER."""
 
 
+_CREATED = re.compile(
+    r"^# ?(?:creation date: |creation time: (?!system)|created (?=.*\d))(.+)", re.I | re.M
+)
+"""Line with the date: of jAER today, of v2e, and of jAER before 2013 and MATLAB scripts."""
+
+
 def read(path: Path, options: ReadOptions) -> ParsedFile:
     """Read contrast events; frame samples and inertial (IMU) samples are skipped.
 
@@ -84,7 +90,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
             f"its sensor with --size. Allowed is one of {sizes}."
         )
     facts = {"chip": name} if name else {}
-    created = re.search(r"created (.+)", header)
+    created = _CREATED.search(header)
     facts |= {"created": created[1].strip()} if created else {}
     return FileHeader(chip.size, facts), _items(path, start, chip)
 

@@ -15,14 +15,13 @@ import numpy as np
 from formats.columns import (
     Array,
     EventColumns,
-    FileHeader,
     ParsedFile,
     ParsedItem,
     ReadOptions,
-    Size,
 )
 from formats.errors import FormatError
 from formats.identify import percent_header
+from formats.readers.prophesee import file_header
 
 _OFF, _ON, _TIME_HIGH = 0, 1, 8
 _KINDS = (_OFF, _ON, _TIME_HIGH, 0xA, 0xE, 0xF)
@@ -48,14 +47,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
         swapped = not swapped
     order = "swapped" if swapped else "in order"
     shown = {"format": facts.get("format", "EVT21"), "halves": order}
-    return FileHeader(_size(form, facts), shown), _items(path, start, swapped)
-
-
-def _size(form: dict[str, str], facts: dict[str, str]) -> Size | None:
-    width, height = form.get("width", ""), form.get("height", "")
-    if not (width.isdigit() and height.isdigit()):
-        width, _, height = facts.get("geometry", "").partition("x")
-    return (int(width), int(height)) if width.isdigit() and height.isdigit() else None
+    return file_header(facts, shown), _items(path, start, swapped)
 
 
 def _words(data: bytes) -> Array:

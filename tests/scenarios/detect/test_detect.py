@@ -139,7 +139,7 @@ def test_a_truncated_file_gives_an_error_and_no_output(
         ({"method": "bee"}, "The method is 'bee'. Allowed is fly"),
         ({"method": "frame-fly"}, "needs APS frames, and .* contains none. Choose another"),
         ({"size": "346"}, "--size is '346'. .* such as --size 346x260"),
-        ({"size": "20x20"}, r"Allowed is 0 to 19. .* --size"),
+        ({"size": "20x20"}, r"so that 0 to 19 is allowed. .* --size"),
         ({"time_scale": 0.0}, "--time-scale is 0.0. Allowed is a number from 0.001 to 1000"),
         ({"time_scale": 3000.0}, "--time-scale is 3000.0"),
         (
