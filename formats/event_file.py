@@ -118,8 +118,10 @@ class EventFile:
         origin_us: time that was subtracted from all timestamps [µs]: the first timestamp if it is
             negative or a wall-clock time (10¹⁴ µs and more), else 0.
         warnings: what is uncertain about the file, each with the option that settles it.
-        sorted_events: number of late events that were put in order, once all chunks are read.
-        dropped_events: number of events out of order that were dropped, once all chunks are read.
+        sorted_events: number of late events that were put in order, once all chunks are read; None
+            if that was not asked for.
+        dropped_events: number of events out of order that were dropped, once all chunks are read;
+            None if that was not asked for.
     """
 
     def __init__(self, path: Path, name: str, options: ReadOptions) -> None:
@@ -151,7 +153,8 @@ class EventFile:
         self.header_fields: dict[str, str] = header["facts"]
         self.origin_us: int = header["origin_us"]
         self.warnings: tuple[str, ...] = tuple(header["warnings"])
-        self.sorted_events = self.dropped_events = 0
+        self.sorted_events: int | None = None
+        self.dropped_events: int | None = None
 
     def __enter__(self) -> EventFile:
         return self

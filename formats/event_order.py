@@ -125,6 +125,6 @@ class TimeOrder:
         late_ms = (latest_us - t_us) / 1e3
         return FormatError(
             f"{self._path}: event {number} has the time {t_us} µs, after one at {latest_us} µs. "
-            "Times must not decrease. Sort the events within a window with --sort "
-            f"{math.ceil(late_ms)} (or more) ms, or drop the late ones with --drop-unsorted."
+            "Times must not decrease. Sort events that are late by up to so many ms with --sort, "
+            f"such as --sort {math.ceil(late_ms)}, or drop them with --drop-unsorted."
         )

@@ -146,7 +146,10 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
             _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
         elif item.size:
             _send(out, b"E", item.view(np.uint8).data)
-    counts = {"sorted_events": order.sorted, "dropped_events": order.dropped}
+    counts = {
+        "sorted_events": order.sorted if options.sort_within_us else None,
+        "dropped_events": order.dropped if options.drop_unsorted else None,
+    }
     _send(out, b"C", json.dumps(counts).encode())
     _send(out, b"Z")
 

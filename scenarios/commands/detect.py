@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +12,7 @@ import tyro
 from rich.console import Console
 
 from detector.estimate import FrameDetector
-from formats import FORMATS, EventFile, open_events
+from formats import EventFile, FormatError
 from scenarios.commands.view import is_recording
 from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, EstimateTable
 from scenarios.detect.plot import write_plot
@@ -23,8 +22,8 @@ from scenarios.detect.spans import LEAST_SPAN_US
 from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us, percent
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
+from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.atomic_folder import EVENTS
 from scenarios.output.streams import own_output
 from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
@@ -32,9 +31,6 @@ from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
-
-_SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
-_FROM_FILE = "(default: from the file, or inferred from its values)"
 
 
 @dataclass(frozen=True)
@@ -66,30 +62,14 @@ class Detect:
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
     """Factor for all times of the detector, 0.001 to 1000; above 1 for slower motion."""
-    size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint=_FROM_FILE)] = None
-    """Sensor size [px], such as 346x260, if the file does not state it, or states a wrong size."""
-    format: Annotated[
-        str | None,
-        tyro.conf.arg(
-            metavar="NAME",
-            help=f"Format of the file, if it is not recognised: {', '.join(FORMATS)}.",
-            help_behavior_hint="(default: recognised by the file's first bytes)",
-        ),
-    ] = None
-    time_unit: Annotated[
-        str | None, tyro.conf.arg(metavar="s|ms|us|ns", help_behavior_hint=_FROM_FILE)
-    ] = None
-    """Unit of the timestamps, if a text, HDF5 or NumPy file does not state it or is wrong."""
+    input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
         """Read the recording and print the estimates and the verdict."""
-        events_of_run = self.file / EVENTS
-        path = events_of_run if events_of_run.is_file() else self.file
+        path = events_file(self.file)
         self._check_outputs(path)
-        _check_not_rerun(path)
-        with open_events(
-            path, format=self.format, size=self._size(), time_unit=self.time_unit
-        ) as file:
+        check_not_rerun(path)
+        with self.input.open(path) as file:
             scaled = self._make_detector(file)
             size = {"width": file.width, "height": file.height}
             feed = DetectorFeed(self.method, scaled.detector, **size)
@@ -111,15 +91,20 @@ class Detect:
         verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled) if self.rrd else None
-            for part in run_detector(file, feed):
-                verdict.add(part)
-                for estimate in part.estimates:
-                    printer.add(estimate)
-                if self.plot:
-                    plot_data.add(part)
-                if log:
-                    log(part)
-            _check_not_empty(file)
+            try:
+                for part in run_detector(file, feed):
+                    verdict.add(part)
+                    for estimate in part.estimates:
+                        printer.add(estimate)
+                    if self.plot:
+                        plot_data.add(part)
+                    if log:
+                        log(part)
+            except FormatError:
+                if file.statistics.events:
+                    printer.abandon(file, self.method, scaled.changes, verdict)
+                raise
+            check_not_empty(file)
             if self.plot:
                 png = stack.enter_context(atomic_file(self.plot))
                 size = file.width, file.height
@@ -175,17 +160,6 @@ class Detect:
             )
         return scaled
 
-    def _size(self) -> tuple[int, int] | None:
-        if self.size is None:
-            return None
-        sides = _SIZE.fullmatch(self.size.strip())
-        if sides is None:
-            raise ScenarioError(
-                f"--size is {self.size!r}. Allowed is width and height in pixels, such as --size "
-                "346x260."
-            )
-        return int(sides[1]), int(sides[2])
-
     def _check_outputs(self, source: Path) -> None:
         for path, option, suffix in ((self.rrd, "--rrd", ".rrd"), (self.plot, "--plot", ".png")):
             if path is None:
@@ -218,7 +192,8 @@ def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:
         recorder.log_estimate(method, estimate, part.maps)
 
 
-def _check_not_rerun(path: Path) -> None:
+def check_not_rerun(path: Path) -> None:
+    """Check that a file is not a Rerun recording, which contains no events to read."""
     if path.is_file() and is_recording(path):
         raise ScenarioError(
             f"{path} is a Rerun recording, which can only be viewed. Allowed is a file of events. "
@@ -226,7 +201,8 @@ def _check_not_rerun(path: Path) -> None:
         )
 
 
-def _check_not_empty(file: EventFile) -> None:
+def check_not_empty(file: EventFile) -> None:
+    """Check that a file that was read to its end had events or frames."""
     if not file.statistics.events and not file.statistics.frames:
         raise ScenarioError(
             f"{file.path} contains no events and no frames. Record it again, or give another file."

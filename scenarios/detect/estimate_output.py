@@ -60,6 +60,12 @@ class EstimatePrinter(ABC):
             failure: reason why the detector failed; None if it did not.
         """
 
+    @abstractmethod
+    def abandon(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Print what came before an error in the file; the arguments are those of `finish`."""
+
 
 class EstimateTable(EstimatePrinter):
     """Prints a table page by page while the recording is read."""
@@ -89,6 +95,12 @@ class EstimateTable(EstimatePrinter):
         """Print the last page and a summary table."""
         self._flush()
         self._console.print(_summary_table(file, method, scaled, verdict, failure))
+
+    def abandon(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Print the last page and a summary of what was read."""
+        self.finish(file, method, scaled, verdict)
 
     def _flush(self) -> None:
         if not self._pending:
@@ -151,6 +163,11 @@ class EstimateJson(EstimatePrinter):
         shutil.copyfileobj(self._file, self._stream)
         self._stream.flush()
 
+    def abandon(
+        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    ) -> None:
+        """Print nothing: a document is complete or absent."""
+
 
 def _estimate_json(estimate: MotionEstimate) -> dict[str, Any]:
     e = estimate
@@ -178,6 +195,9 @@ def _file_json(file: EventFile) -> dict[str, Any]:
         "rate_hz": found.rate_hz,
         "on_share": found.on_share,
         "frames": found.frames,
+        "sorted_events": file.sorted_events,
+        "dropped_events": file.dropped_events,
+        "warnings": list(file.warnings),
     }
 
 
@@ -196,6 +216,10 @@ def _file_rows(file: EventFile) -> list[tuple[str, str]]:
     ]
     if file.origin_us:
         rows.insert(4, ("time origin", f"{file.origin_us:,} µs in the file"))
+    if file.sorted_events is not None:
+        rows.append(("sorted", f"{file.sorted_events:,} late events"))
+    if file.dropped_events is not None:
+        rows.append(("dropped", f"{file.dropped_events:,} events out of order"))
     return rows
 
 

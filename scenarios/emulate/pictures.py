@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from formats import FormatError, identify_format
 from scenarios.emulate.frame_times import FrameTimes, TimeOptions, evenly_spaced
 from scenarios.emulate.image_file import IMAGE_ENDINGS
 from scenarios.emulate.image_folder import ImageFolder
@@ -55,11 +56,23 @@ def _check_file(path: Path) -> None:
         )
     if path.stat().st_size == 0:
         raise ScenarioError(f"{path} is empty. Copy it again from where it was made.")
+    if _holds_events(path):
+        raise ScenarioError(
+            f"{path} is a recording of events, not a video. Detect motion in it with flybench "
+            "detect."
+        )
     if path.suffix.lower() in IMAGE_ENDINGS:
         raise ScenarioError(
             f"{path} is a single image. Allowed is a folder of images that follow each other. Give "
             "the folder that contains it."
         )
+
+
+def _holds_events(path: Path) -> bool:
+    try:
+        return identify_format(path) not in ("npy", "text")
+    except FormatError:
+        return False
 
 
 class _Array(Pictures):

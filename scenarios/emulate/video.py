@@ -54,7 +54,8 @@ class Video(Pictures):
         return video_times(self._path, stamps_ms, fps)
 
     def _open(self) -> Any:
-        capture = cv2.VideoCapture(str(self._path), cv2.CAP_FFMPEG)
+        # FFmpeg takes "12:30.mp4" for an address of the protocol "12"; a path from / is a file
+        capture = cv2.VideoCapture(str(self._path.absolute()), cv2.CAP_FFMPEG)
         if not capture.isOpened():
             capture.release()
             raise ScenarioError(

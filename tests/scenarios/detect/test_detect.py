@@ -17,6 +17,7 @@ from flybench.events import EVENT_DTYPE, Events
 from formats import Chunk, open_writer, write_events
 from scenarios.commands.detect import Detect
 from scenarios.commands.view import MAGIC
+from scenarios.options.recording import RecordingOptions
 from scenarios.output.terminal import execute
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
 from tests.scenarios.rrd_contents import RrdContents
@@ -138,8 +139,8 @@ def test_a_truncated_file_gives_an_error_and_no_output(
         ({"file": Path("nowhere.raw")}, "nowhere.raw does not exist"),
         ({"method": "bee"}, "The method is 'bee'. Allowed is fly"),
         ({"method": "frame-fly"}, "needs APS frames, and .* contains none. Choose another"),
-        ({"size": "346"}, "--size is '346'. .* such as --size 346x260"),
-        ({"size": "20x20"}, r"so that 0 to 19 is allowed. .* --size"),
+        ({"input": RecordingOptions(size="346")}, "--size is '346'. .* such as --size 346x260"),
+        ({"input": RecordingOptions(size="20x20")}, r"so that 0 to 19 is allowed. .* --size"),
         ({"time_scale": 0.0}, "--time-scale is 0.0. Allowed is a number from 0.001 to 1000"),
         ({"time_scale": 3000.0}, "--time-scale is 3000.0"),
         (
