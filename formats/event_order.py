@@ -41,7 +41,7 @@ class TimeOrder:
         self._latest_us: int | None = None
         self._held = np.empty(0, PARSED_DTYPE)
         self._unsure = np.empty(0, PARSED_DTYPE)
-        self._before_us = -(2**62)
+        self._before_us = self._latest_other_us = -(2**62)
 
     def push(self, events: Array) -> Iterator[Array]:
         """Yield events that no later ones can precede.
@@ -116,9 +116,13 @@ class TimeOrder:
         """
         t = np.concatenate([[self._before_us], events["t"]])
         before, now, after = t[:-2], t[1:-1], t[2:]
-        leaps = (now - self._window_us > after) & (after >= before - self._window_us)
+        alone = (now - self._window_us > after) & (after >= before - self._window_us)
+        others = np.where(alone, self._latest_other_us, now)
+        latest = np.maximum.accumulate(np.concatenate([[self._latest_other_us], others]))
+        leaps = alone & (after >= latest[:-1] - self._window_us)
         self.dropped += int(np.count_nonzero(leaps))
-        self._before_us, self._unsure = int(t[-2]), events[-1:].copy()
+        self._before_us, self._latest_other_us = int(t[-2]), int(latest[-1])
+        self._unsure = events[-1:].copy()
         return events[:-1][~leaps]
 
     def _late(self, number: int, t_us: int, latest_us: int) -> FormatError:

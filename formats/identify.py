@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from formats.errors import FormatError
@@ -176,11 +177,21 @@ def percent_header(head: bytes) -> tuple[dict[str, str], int]:
 
 def _prophesee(head: bytes) -> str:
     facts, _ = percent_header(head)
+    name = prophesee_format(facts)
+    if name:
+        return name
+    return "dat" if "version" in facts or facts.get("data", "").startswith("file") else ""
+
+
+def prophesee_format(facts: Mapping[str, str]) -> str:
+    """Return the name of the RAW format that a header states; empty if it states none.
+
+    Args:
+        facts: values of the header by keyword in lower case.
+    """
     evt = re.match(r"EVT([\d.]+)", facts.get("format", ""), re.IGNORECASE)
     version = evt[1] if evt else facts.get("evt", "")
-    if version in _EVT:
-        return _EVT[version]
-    return "dat" if "version" in facts or facts.get("data", "").startswith("file") else ""
+    return _EVT.get(version, "")
 
 
 def _is_text(head: bytes) -> bool:

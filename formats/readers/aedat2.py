@@ -103,7 +103,7 @@ def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
             count = len(block) // _RECORD.itemsize
             records = np.frombuffer(block, _RECORD, count=count)
             records = records[(records["address"] & chip.other) == 0]
-            t, wraps, last = _unwrap(records["t"].astype(np.int64), wraps, last)
+            t, wraps, last = unwrap(records["t"].astype(np.int64), wraps, last)
             yield _columns(records["address"].astype(np.int64), t, chip)
             if len(block) % _RECORD.itemsize:
                 at = path.stat().st_size
@@ -114,7 +114,7 @@ def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
                 )
 
 
-def _unwrap(t: Array, wraps: int, last: int) -> tuple[Array, int, int]:
+def unwrap(t: Array, wraps: int, last: int) -> tuple[Array, int, int]:
     """Extend 32-bit timestamps: a step back by more than half their range is a wrap-around.
 
     Args:

@@ -82,11 +82,7 @@ def _decode(words: Array, high: int) -> tuple[EventColumns, int]:
     """Return the events in a block of words, and the high part of the time after it."""
     kinds = (words >> np.uint64(60)).astype(np.int64)
     highs = ((words >> np.uint64(32)) & np.uint64(_TIME_PERIOD - 1)).astype(np.int64)
-    marks = np.flatnonzero(kinds == _TIME_HIGH)
-    times = np.concatenate([[high], highs[marks]])
-    times[1:] += high // _TIME_PERIOD * _TIME_PERIOD
-    times += _TIME_PERIOD * np.cumsum(np.diff(times, prepend=high) < -(_TIME_PERIOD // 2))
-    now = times[np.searchsorted(marks, np.arange(words.size), side="right")]
+    now, high = high_times(kinds, highs, high)
     chosen = np.flatnonzero((kinds == _OFF) | (kinds == _ON))
     word = words[chosen]
     valid = np.unpackbits(
@@ -98,4 +94,22 @@ def _decode(words: Array, high: int) -> tuple[EventColumns, int]:
     fields = (word >> np.uint64(32)).astype(np.int64)
     t = (now[chosen] << 6) | ((fields >> 22) & 0x3F)
     x = ((fields >> 11) & 0x7FF)[at] + bit
-    return EventColumns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), int(times[-1])
+    return EventColumns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), high
+
+
+def high_times(kinds: Array, highs: Array, high: int) -> tuple[Array, int]:
+    """Return the high part of the time at each word of EVT 2.0 or 2.1, and after the last.
+
+    A step back by more than half the period is an overflow of the clock; a smaller one is an event
+    out of order, and stays one.
+
+    Args:
+        kinds: type of each word.
+        highs: the 28 bits of each word that are a time if the word is of that type.
+        high: high part of the time before the words, extended by the overflows so far.
+    """
+    marks = np.flatnonzero(kinds == _TIME_HIGH)
+    times = np.concatenate([[high], highs[marks]])
+    times[1:] += high // _TIME_PERIOD * _TIME_PERIOD
+    times += _TIME_PERIOD * np.cumsum(np.diff(times, prepend=high) < -(_TIME_PERIOD // 2))
+    return times[np.searchsorted(marks, np.arange(kinds.size), side="right")], int(times[-1])

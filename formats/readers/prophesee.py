@@ -1,4 +1,4 @@
-"""Prophesee RAW (EVT 2.0 and 3.0) and DAT, decoded by faery."""
+"""What Prophesee's formats have in common, and RAW EVT 3.0, decoded by faery."""
 
 from __future__ import annotations
 
@@ -8,45 +8,65 @@ from typing import Any
 
 import numpy as np
 
-from formats.columns import EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions, Size
+from formats.columns import Array, EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
 from formats.errors import FormatError, MissingLibraryError
-from formats.identify import percent_header
+from formats.identify import percent_header, prophesee_format
 from formats.prophesee_sensors import possible_sizes, stated_size
 
 _HEADER_MAX = 1 << 20
-_WORD_BYTES = {"evt2": 4, "evt3": 2}
-_DAT_BYTES = 8
-_LARGEST_EVT, _LARGEST_DAT = (1 << 11, 1 << 11), (1 << 14, 1 << 14)
-"""Sizes that the bits of a coordinate allow [px]."""
+_BLOCK = 1 << 17
+_EVT3_BYTES = 2
+_LARGEST = (1 << 11, 1 << 11)
+"""Size that the bits of a coordinate of EVT 3.0 allow [px]."""
 
-_SHOWN = ("date", "sensor_name", "integrator_name", "plugin_name", "serial_number", "format", "evt")
-
-
-def read_evt2(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read EVT 2.0: 4-byte words."""
-    del options
-    return _read_evt(path, "evt2")
+_SHOWN = (
+    "date", "sensor_name", "integrator_name", "plugin_name", "system_id", "serial_number", "format",
+    "evt", "version",
+)  # fmt: skip
 
 
 def read_evt3(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read EVT 3.0: 2-byte words."""
+    """Read EVT 3.0: 2-byte words.
+
+    Raises:
+        FormatError: the header states another format.
+        MissingLibraryError: faery is not installed.
+    """
     del options
-    return _read_evt(path, "evt3")
+    facts, start = check_version(path, "evt3")
+    try:
+        import faery
+    except ImportError as error:
+        raise MissingLibraryError("faery", "a Prophesee RAW file, EVT 3.0") from error
+    decoder = faery.file_decoder.evt.Decoder(path, _LARGEST, "evt3")
+    packets = (packet["events"] for packet in decoder if "events" in packet)
+    return file_header(facts, shown_facts(facts)), _evt3_items(path, packets, start)
 
 
-def read_dat(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read DAT: a header, two bytes with the type and size of an event, and 8 bytes an event."""
-    del options
-    facts, start = _header(path)
-    decoder = _decoder("dat", path, _LARGEST_DAT, None)
-    if decoder.event_type not in ("2d", "cd"):
+def check_version(path: Path, version: str) -> tuple[dict[str, str], int]:
+    """Return the header of a RAW file and its length, if it does not state another version.
+
+    Raises:
+        FormatError: it does.
+    """
+    facts, start = percent_facts(path)
+    stated = prophesee_format(facts)
+    if stated not in ("", version):
         raise FormatError(
-            f"{path} contains events of the type {decoder.event_type}. Allowed is CD (contrast "
-            "detection). Give the file of CD events."
+            f"{path} states the format {stated}, but --format is {version}. Leave --format out."
         )
-    shown = _shown(facts) | {"version": str(decoder.version)}
-    packets = ((packet, packet["payload"] > 0) for packet in decoder)
-    return file_header(facts, shown), _checked(path, packets, start + 2, _DAT_BYTES)
+    return facts, start
+
+
+def percent_facts(path: Path) -> tuple[dict[str, str], int]:
+    """Return the values of a header by keyword in lower case, and its length [bytes]."""
+    with path.open("rb") as file:
+        return percent_header(file.read(_HEADER_MAX))
+
+
+def shown_facts(facts: dict[str, str]) -> dict[str, str]:
+    """Return the values of a header that are displayed."""
+    return {name: facts[name] for name in _SHOWN if facts.get(name)}
 
 
 def file_header(facts: dict[str, str], shown: dict[str, str]) -> FileHeader:
@@ -62,44 +82,25 @@ def file_header(facts: dict[str, str], shown: dict[str, str]) -> FileHeader:
     return FileHeader(found[0], shown, size_source=found[1])
 
 
-def _read_evt(path: Path, version: str) -> ParsedFile:
-    facts, start = _header(path)
-    decoder = _decoder("evt", path, _LARGEST_EVT, version)
-    if decoder.version != version:
-        raise FormatError(
-            f"{path} states the format {decoder.version}, but --format is {version}. Leave "
-            "--format out."
-        )
-    packets = (
-        (packet["events"], packet["events"]["on"]) for packet in decoder if "events" in packet
-    )
-    items = _checked(path, packets, start, _WORD_BYTES[version])
-    return file_header(facts, _shown(facts)), items
+def read_words(path: Path, start: int, word: np.dtype[Any]) -> Iterator[Array]:
+    """Yield the words of a file in blocks, then check that it ends after a complete word.
 
-
-def _decoder(module: str, path: Path, largest: Size, version: str | None) -> Any:
-    """Open a file; `largest` is used where it does not state a size, which is checked later."""
-    try:
-        import faery
-    except ImportError as error:
-        raise MissingLibraryError("faery", "a Prophesee file") from error
-    return getattr(faery.file_decoder, module).Decoder(path, largest, version)
-
-
-def _header(path: Path) -> tuple[dict[str, str], int]:
+    Args:
+        path: path of the file.
+        start: position of the first word [bytes].
+        word: dtype of a word.
+    """
     with path.open("rb") as file:
-        return percent_header(file.read(_HEADER_MAX))
+        file.seek(start)
+        while data := file.read(_BLOCK * word.itemsize):
+            yield np.frombuffer(data, word, count=len(data) // word.itemsize)
+    _check_end(path, start, word.itemsize)
 
 
-def _shown(facts: dict[str, str]) -> dict[str, str]:
-    return {name: facts[name] for name in _SHOWN if facts.get(name)}
-
-
-def _checked(path: Path, packets: Any, start: int, word: int) -> Iterator[ParsedItem]:
-    """Yield the events of each packet, then check that the file ends after a complete word."""
+def _evt3_items(path: Path, packets: Iterator[Any], start: int) -> Iterator[ParsedItem]:
     try:
-        for events, on in packets:
-            yield EventColumns(events["t"].astype(np.int64), events["x"], events["y"], on)
+        for events in packets:
+            yield EventColumns(events["t"].astype(np.int64), events["x"], events["y"], events["on"])
     except RuntimeError as error:
         if "overflow" not in str(error):
             raise
@@ -107,6 +108,10 @@ def _checked(path: Path, packets: Any, start: int, word: int) -> Iterator[Parsed
             f"{path} states a size of its sensor that is too small: {error}. Allowed are events "
             "on the sensor. Correct the width and height in its header."
         ) from error
+    _check_end(path, start, _EVT3_BYTES)
+
+
+def _check_end(path: Path, start: int, word: int) -> None:
     length = path.stat().st_size
     extra = (length - start) % word
     if length < start or extra:

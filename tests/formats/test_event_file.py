@@ -2,6 +2,7 @@
 
 import gzip
 import os
+import re
 from pathlib import Path
 
 import h5py
@@ -35,6 +36,8 @@ def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) 
         statistics = file.statistics
     assert (file.width, file.height) == SIZE
     assert file.size_source == ("the option" if size else "the file")
+    assert re.match(r"(µs|s), (as|because|from) \w+", file.header_fields["time unit"])
+    assert file.warnings == ()
     got = np.concatenate([chunk.events for chunk in chunks])
     assert np.array_equal(got, events)
     check_events(got, width=346, height=260)
