@@ -94,9 +94,7 @@ def test_an_order_may_have_separators_and_skip_columns() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.filterwarnings(
-    "ignore::ResourceWarning"
-)  # the parser closes at its end
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # the parser closes at its end
 @pytest.mark.parametrize("order", ORDERS_IN_USE)
 @pytest.mark.parametrize("ending", ["txt", "csv", "npy", "npz", "h5"])
 def test_every_kind_of_table_is_read(tmp_path: Path, order: str, ending: str) -> None:

@@ -210,6 +210,11 @@ def save_array(path: Path, array: np.ndarray) -> None:
         (lambda p: os.mkfifo(p), "not a regular file"),
         (lambda p: p.write_bytes(bytes(range(200, 256)) * 9), "none of the formats"),
         (lambda p: p.write_bytes(gzip.compress(b"3 1 1 1")), "gunzip"),
+        (lambda p: p.write_bytes(b"\0\0\0\x20ftypisom"), r"video \(MP4 or MOV\).*emulate"),
+        (lambda p: p.write_bytes(b"RIFF\x01\0\0\0AVI LIST"), r"video \(AVI\).*emulate"),
+        (lambda p: p.write_bytes(b"\x89PNG\r\n"), r"picture \(PNG\).*emulate"),
+        (lambda p: (p.mkdir(), (p / "1.png").touch()), "folder of pictures.*emulate"),
+        (lambda p: save_array(p, np.zeros((3, 5, 6), np.uint8)), "For pictures, use .* emulate"),
         (lambda p: p.write_bytes(b"#!AER-DAT1.0\r\n"), "Convert it"),
         (lambda p: p.write_text("no events here"), "no line of numbers"),
         (lambda p: p.write_text("1 2 3\n4 5 6\n"), "3 columns"),
@@ -241,6 +246,34 @@ def test_unreadable_files_raise_a_one_line_error(
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "advice"), [("a.xyz", "software that wrote it"), ("a.raw", "--format evt2, evt21")]
+)
+def test_only_what_may_be_raw_gets_advice_about_raw(tmp_path: Path, name: str, advice: str) -> None:
+    (tmp_path / name).write_bytes(bytes(range(200, 256)) * 9)
+    with pytest.raises(FormatError, match=advice) as caught:
+        read_events(tmp_path / name)
+    assert ("RAW file without" in str(caught.value)) == (name == "a.raw")
+
+
+@pytest.mark.parametrize(
+    ("line", "date"),
+    [
+        ("# Creation date: Mon Feb 10 10:57:27 AEDT 2020", "Mon Feb 10 10:57:27 AEDT 2020"),
+        ("# Creation time: 09:34AM March 03 2022", "09:34AM March 03 2022"),
+        ("# created Thu Jul 05 10:57:31 CEST 2012", "Thu Jul 05 10:57:31 CEST 2012"),
+        ("# This is a raw AE data file created by saveaerdat.m, version 2", None),
+    ],
+)
+def test_the_date_of_an_aedat2_file_is_shown(tmp_path: Path, line: str, date: str | None) -> None:
+    path = make_file(tmp_path, "davis.aedat", E)
+    first, rest = path.read_bytes().split(b"\n", 1)
+    more = f"\n{line}\r\n# Creation time: System.currentTimeMillis() 1581292647203\r\n".encode()
+    path.write_bytes(first + more + rest)
+    with open_events(path) as file:
+        assert file.header_fields.get("created") == date
+
+
 def test_wrong_options_are_refused(tmp_path: Path) -> None:
     path = make_file(tmp_path, "a.txt", E)
     for options, message in (
@@ -248,6 +281,7 @@ def test_wrong_options_are_refused(tmp_path: Path) -> None:
         ({"size": (0, 5)}, "0x5"),
         ({"time_unit": "min"}, "Allowed is one of s, ms, us, ns"),
         ({"format": "hdf5"}, "truncated or damaged"),
+        ({"format": "dat", "columns": "txyp"}, "is Prophesee DAT, which defines its columns"),
     ):
         with pytest.raises(FormatError, match=message):
             read_events(path, **options)

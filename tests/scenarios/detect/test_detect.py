@@ -164,6 +164,25 @@ def test_invalid_arguments_give_a_one_line_error(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_table_covers_what_comes_before_a_late_event(
+    events: Events, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    late = events.copy()
+    late["t"][events.size // 2] -= 5000
+    np.save(tmp_path / "a.npy", late)
+    assert execute(Detect(tmp_path / "a.npy")) == 2
+    captured = capsys.readouterr()
+    assert f"{events.size // 2:,} in" in captured.out
+    assert "← left" in captured.out
+    assert "--sort 5, or drop them" in captured.err
+    options = RecordingOptions(sort=6.0, size="346x260")
+    assert execute(Detect(tmp_path / "a.npy", json=True, input=options)) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["file"]["events"] == events.size
+    assert document["file"]["sorted_events"] == 1
+    assert document["file"]["dropped_events"] is None
+
+
 def test_a_file_without_events_is_an_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
