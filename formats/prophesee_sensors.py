@@ -30,6 +30,9 @@ _BY_NAME: dict[str, Size] = {
 }
 """Sizes by a part of the name of a plug-in or sensor, such as hal_plugin_gen31_fx3 [px]."""
 
+_MAKERS = ("integrator_name", "camera_integrator_name", "plugin_integrator_name")
+"""Who built the camera: the system numbers are Prophesee's own."""
+
 _BY_GENERATION: dict[str, Size] = {"3": GEN3, "4": GEN4, "320": GENX320}
 
 _BY_SYSTEM: dict[Size, tuple[int, ...]] = {
@@ -59,7 +62,8 @@ def stated_size(facts: Mapping[str, str]) -> tuple[Size, str] | None:
     generation = facts.get("sensor_generation", "").partition(".")[0]
     if generation in _BY_GENERATION:
         return _BY_GENERATION[generation], f"the file's sensor_generation {generation}"
-    system = facts.get("system_id", "")
+    makers = {facts[key].strip().lower() for key in _MAKERS if facts.get(key)}
+    system = facts.get("system_id", "") if makers <= {"prophesee"} else ""
     for size, numbers in _BY_SYSTEM.items():
         if system.isdigit() and int(system) in numbers:
             return size, f"the file's system_ID {system}"

@@ -109,30 +109,41 @@ def _layout_of_rows(
     if names is not None and options.columns is None:
         order, source = _order_from_header(path, names, count), "from the header"
     else:
-        table = np.array([[float(word) for word in row] for row in valid])
-        with_decimals = [i for i in range(4) if all("." in row[i] for row in valid)]
-        order, source = column_order(
-            table,
-            options.columns,
-            options.size or size,
-            path=path,
-            not_whole=with_decimals if len(with_decimals) < 3 else (),
-        )
+        order, source = _order_of_rows(path, valid, options, size)
     named = names[order.index("t")] if names is not None and len(names) == count else ""
     unit, unit_source = _unit(named), "from the header"
-    if unit is None and _are_whole_seconds([row[order.index("t")] for row in valid]):
+    times = [row[order.index("t")] for row in valid]
+    if unit is None and _are_whole_seconds(times, has_size=size is not None):
         unit, unit_source = "s", "because the times are written with decimals"
     return Layout(start, order, source, size, unit, unit_source)
 
 
-def _are_whole_seconds(words: list[str]) -> bool:
-    """Return True if a few whole numbers are all written with the same number of decimals."""
+def _order_of_rows(
+    path: Path, rows: list[list[str]], options: ReadOptions, size: Size | None
+) -> tuple[str, str]:
+    table = np.array([[float(word) for word in row] for row in rows])
+    with_decimals = [i for i in range(4) if all("." in row[i] for row in rows)]
+    return column_order(
+        table,
+        options.columns,
+        options.size or size,
+        path=path,
+        not_whole=with_decimals if len(with_decimals) < 3 else (),
+    )
+
+
+def _are_whole_seconds(words: list[str], *, has_size: bool) -> bool:
+    """Return True if whole numbers are seconds because of the decimals that are written.
+
+    They are if they are few, or if the file has a line with the size of the sensor and six decimals
+    throughout, as ECD and flybench write it.
+    """
     decimals = {len(word.partition(".")[2]) for word in words}
     values = {float(word) for word in words}
     return (
         0 not in decimals
         and len(decimals) == 1
-        and len(values) < _WHOLE_SECONDS_MAX
+        and (len(values) < _WHOLE_SECONDS_MAX or (has_size and decimals == {6}))
         and not any("e" in word.lower() for word in words)
         and all(value.is_integer() for value in values)
     )

@@ -27,7 +27,11 @@ def on_sensor(width: int, height: int) -> Events:
 def without_size(folder: Path, name: str, events: Events, header: str) -> Path:
     """Write a file whose header has these lines instead of the size."""
     path = make_file(folder, name, events)
-    data = re.sub(rb"(?im)^% (height|width|geometry|format)[^\n]*\n", b"", path.read_bytes())
+    data = re.sub(
+        rb"(?im)^% (height|width|geometry|format|camera_integrator_name)[^\n]*\n",
+        b"",
+        path.read_bytes(),
+    )
     first, rest = data.split(b"\n", 1)
     path.write_bytes(first + b"\n" + header.encode() + rest)
     return path
@@ -119,4 +123,6 @@ def test_a_header_with_too_small_a_size_is_said_to_be_wrong(tmp_path: Path, name
 def test_unknown_headers_state_nothing() -> None:
     for facts in ({}, {"system_id": "-1"}, {"system_id": "999"}, {"geometry": "x"}):
         assert stated_size(facts) is None
+    assert stated_size({"system_id": "28", "camera_integrator_name": "Prophesee"}) is not None
+    assert stated_size({"system_id": "28", "camera_integrator_name": "someone else"}) is None
     assert possible_sizes({"date": "unknown"}) == possible_sizes({"date": "2021"}) == ()
