@@ -102,7 +102,8 @@ class Detect:
                         log(part)
             except FormatError:
                 if file.statistics.events:
-                    printer.abandon(file, self.method, scaled.changes, verdict)
+                    failure = None if feed.failure is None else str(feed.failure)
+                    printer.abandon(file, self.method, scaled.changes, verdict, failure)
                 raise
             check_not_empty(file)
             if self.plot:

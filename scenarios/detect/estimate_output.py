@@ -62,7 +62,12 @@ class EstimatePrinter(ABC):
 
     @abstractmethod
     def abandon(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print what came before an error in the file; the arguments are those of `finish`."""
 
@@ -97,10 +102,15 @@ class EstimateTable(EstimatePrinter):
         self._console.print(_summary_table(file, method, scaled, verdict, failure))
 
     def abandon(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print the last page and a summary of what was read."""
-        self.finish(file, method, scaled, verdict)
+        self.finish(file, method, scaled, verdict, failure)
 
     def _flush(self) -> None:
         if not self._pending:
@@ -164,7 +174,12 @@ class EstimateJson(EstimatePrinter):
         self._stream.flush()
 
     def abandon(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print nothing: a document is complete or absent."""
 

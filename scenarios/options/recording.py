@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -14,6 +13,7 @@ import tyro
 from formats import FORMATS, SORT_MAX_US, EventFile, open_events
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_folder import EVENTS
+from scenarios.output.streams import complain
 
 _SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
 _FROM_FILE = "(default: from the file, or inferred from its values)"
@@ -66,7 +66,7 @@ class RecordingOptions:
             drop_unsorted=self.drop_unsorted,
         )
         for warning in file.warnings:
-            print(f"flybench: warning: {warning}", file=sys.stderr)
+            complain(f"warning: {warning}")
         return file
 
     def _sort_within_us(self) -> int:

@@ -51,7 +51,8 @@ def test_it_prints_estimates_and_verdict(
     assert execute(Detect(recording)) == 0
     out = capsys.readouterr().out
     assert "← left: " in out
-    assert re.search(r"(\d+) of \d+ steps name a direction, \1 of these left", out)
+    unwrapped = " ".join(out.replace("│", " ").split())
+    assert re.search(r"(\d+) of \d+ steps name a direction, \1 of these left", unwrapped)
     for words in ("346 × 260 px", "npz", "kev/s", "ON, OFF", "strength", "spans", "left 0."):
         assert words in out
 
