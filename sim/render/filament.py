@@ -30,8 +30,6 @@ from sim.render.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
 """Factor that Filament applies to luminance at its default exposure (f/16, 1/125 s, ISO 100)."""
-NO_SHADOW_GROUP = 2
-"""Geoms of this group cast no shadow, because every geom that does makes the shadow pass slower."""
 FAR_M = 120.0
 """Distance of the far clipping plane, beyond both ends of the street [m] (assumed)."""
 
@@ -66,10 +64,6 @@ class FilamentRenderer:
         self._lights = mjrf.ModelLights(self._scene, self._resources)
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
         self._renderables.update(mujoco.MjData(model))  # the first update creates them
-        self._shadowless = [
-            self._renderable(int(geom))
-            for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
-        ]
         self._draw_order = DrawOrder(self._context, self._resources, model)
         self._targets: dict[Any, Any] = {}
 
@@ -85,7 +79,6 @@ class FilamentRenderer:
             for name in (
                 "_targets",
                 "_draw_order",
-                "_shadowless",
                 "_renderables",
                 "_lights",
                 "_resources",
@@ -100,8 +93,6 @@ class FilamentRenderer:
         self._lights.update(data)
         self._renderables.update(data)
         self._draw_order.update(data)
-        for renderable in self._shadowless:  # the update has reset this flag
-            renderable.set_cast_shadow(False)
 
     def luminance(self, pose: Pose, rectangle: Rectangle, *, supersample: int = 2) -> Luminance:
         """Render the anti-aliased luminance of a rectangle of the image.
