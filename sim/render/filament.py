@@ -25,6 +25,7 @@ from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.draw_order import DrawOrder
 from sim.render.free_memory import return_free_memory
+from sim.render.model_state import update_poses
 from sim.render.quiet_output import suppress_output
 from sim.render.vulkan import require_vulkan
 
@@ -63,7 +64,9 @@ class FilamentRenderer:
         self._resources = mjrf.ModelResources(self._context, model)
         self._lights = mjrf.ModelLights(self._scene, self._resources)
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
-        self._renderables.update(mujoco.MjData(model))  # the first update creates them
+        data = mujoco.MjData(model)
+        update_poses(model, data)  # without poses, a skin or flex crashes the first update
+        self._renderables.update(data)  # creates them
         self._draw_order = DrawOrder(self._context, self._resources, model)
         self._targets: dict[Any, Any] = {}
 
