@@ -1,4 +1,4 @@
-"""Conversion of a model's colours to greys of the same luminance."""
+"""Conversion of a model into one whose colours are greys of the same luminance."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.raster.rendered import KINDS, hide
 from sim.scene import srgb
 from sim.scene.lighting import LUMINANCE_OF_RGB, relative_luminance
 
@@ -18,12 +19,15 @@ _COLOUR_TYPE = "filament.material.base_color_type"
 def luminance_model(model: mujoco.MjModel) -> mujoco.MjModel:
     """Return a copy of a model in which every colour is the grey of the same luminance.
 
+    Everything that is not rendered is moved to a hidden group, so that it casts no shadow either.
     Colours are read as the renderer reads them: those of materials and geoms are sRGB unless the
     model states that they are linear; textures are linear unless their colour space is sRGB.
     """
     grey = copy.copy(model)
+    hide(grey)
     is_srgb = not _has_linear_colours(model)
-    for rgba in (grey.mat_rgba, grey.geom_rgba):
+    cranks = grey.vis.rgba.slidercrank[None], grey.vis.rgba.crankbroken[None]
+    for rgba in (grey.mat_rgba, *(getattr(grey, f"{kind}_rgba") for kind in KINDS), *cranks):
         rgba[:, :3] = _grey(rgba[:, :3], is_srgb)
     for k in range(grey.ntex):
         if grey.tex_nchannel[k] >= 3:
