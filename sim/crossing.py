@@ -82,11 +82,13 @@ class Crossing:
                 every time.
 
         Raises:
-            SceneConfigError: the lead time reaches beyond the end of the motion profile.
+            SceneConfigError: the lead time reaches beyond the end of the motion profile, or the
+                lens is not symmetric.
         """
         return_large_blocks()
         self.config, self.cache = config, cache
         self.intrinsics = intrinsics or Intrinsics()
+        self.intrinsics.require_symmetry()
         self.scene: Scene = build_scene(config)
         self.trajectory = self.scene.trajectory
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())

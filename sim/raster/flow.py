@@ -44,7 +44,8 @@ def flow_px_s(visible: VisibilityMap, twists: F64, lens: Intrinsics) -> F32:
     Returns:
         (height, width, 2) float32, x and y [px/s].
     """
-    return np.asarray(_per_pixel(visible.body, visible.nearness, twists, _eye(lens), True))
+    maps = _stretched(twists, lens)
+    return np.asarray(_per_pixel(visible.body, visible.nearness, maps, _eye(lens), True))
 
 
 def displacement_px(visible: VisibilityMap, transforms: F64, lens: Intrinsics) -> F32:
@@ -60,7 +61,8 @@ def displacement_px(visible: VisibilityMap, transforms: F64, lens: Intrinsics) -
         (height, width, 2) float32, x and y [px]. The displaced point may lie outside the image or
         be occluded. The displacement is NaN where the point ends up behind the camera.
     """
-    return np.asarray(_per_pixel(visible.body, visible.nearness, transforms, _eye(lens), False))
+    maps = _stretched(transforms, lens)
+    return np.asarray(_per_pixel(visible.body, visible.nearness, maps, _eye(lens), False))
 
 
 def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
@@ -121,7 +123,12 @@ def transforms_between(before: F64, after: F64) -> F64:
 
 
 def _eye(lens: Intrinsics) -> Projection:
-    return Projection(lens.focal_px, lens.width / 2, lens.height / 2)
+    return Projection(lens.focal_px, *lens.centre_px)
+
+
+def _stretched(maps: F64, lens: Intrinsics) -> F64:
+    """Return maps of the camera's frame as maps of the frame of `Intrinsics.stretched`."""
+    return np.asarray(lens.stretched(maps) / np.array([1.0, lens.aspect, 1.0, 1.0]))
 
 
 @compiled

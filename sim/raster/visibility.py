@@ -52,10 +52,9 @@ def visibility_map(
         nearness, body = empty_buffer(lens.height, lens.width)
     else:
         nearness, body = before.nearness.copy(), before.body.copy()
-    in_camera = soup.transformed(compose_transforms(poses, pose.world_to_camera))
-    projected, source = project_triangles(
-        in_camera, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M
-    )
+    view = lens.stretched(pose.world_to_camera)
+    in_camera = soup.transformed(compose_transforms(poses, view))
+    projected, source = project_triangles(in_camera, lens.focal_px, *lens.centre_px, NEAR_M)
     rasterise(projected, soup.body[source], 0, 0, nearness, body, True)
     return VisibilityMap(body, nearness)
 
@@ -72,11 +71,9 @@ def overlay_triangles(
         pose: pose of the camera.
         lens: intrinsics of the camera.
     """
-    in_camera = np.asarray(triangles_m @ pose.world_to_camera[:, :3].T, np.float64)
-    in_camera += pose.world_to_camera[:, 3]
-    projected, source = project_triangles(
-        in_camera, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M
-    )
+    view = lens.stretched(pose.world_to_camera)
+    in_camera = np.asarray(triangles_m @ view[:, :3].T + view[:, 3])
+    projected, source = project_triangles(in_camera, lens.focal_px, *lens.centre_px, NEAR_M)
     label = (first + source).astype(np.int32)
     rasterise(projected, label, 0, 0, visible.nearness, visible.body, True)
 

@@ -243,15 +243,16 @@ def _context_config(software: bool) -> Any:
 
 
 def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
-    half_width = NEAR_M * intrinsics.width / 2 / intrinsics.focal_px
-    half_height = NEAR_M * intrinsics.height / 2 / intrinsics.focal_px
+    focal_x, focal_y = intrinsics.focal_px, intrinsics.focal_px * intrinsics.aspect
+    above = intrinsics.centre_px[1]
     return mjrf.Camera(
         pos=pose.position_m.astype(np.float32),
         forward=pose.forward.astype(np.float32),
         up=pose.up.astype(np.float32),
-        frustum_bottom=-half_height,
-        frustum_top=half_height,
+        frustum_bottom=NEAR_M * (above - intrinsics.height) / focal_y,
+        frustum_top=NEAR_M * above / focal_y,
+        frustum_center=-NEAR_M * intrinsics.axis_px[0] / focal_x,
         frustum_near=NEAR_M,
         frustum_far=FAR_M,
-        frustum_width=half_width,
+        frustum_width=NEAR_M * intrinsics.width / 2 / focal_x,
     )

@@ -124,6 +124,36 @@ def test_exactly_what_is_rendered_is_visible(case: str) -> None:
     assert bool(shown) != (case in UNSEEN) or "rope" in case or "skin" in case
 
 
+@pytest.mark.parametrize(
+    "lens",
+    [
+        'focal=".006 .006"',
+        'focal=".004 .006"',
+        'focal=".005 .006" principal=".0005 -.0008"',
+    ],
+)
+def test_any_lens_of_a_model_is_rendered_and_measured_alike(lens: str) -> None:
+    """A sensor of another shape than the image, and an axis off its middle."""
+    eye = EYE.replace('fovy="45"', f'sensorsize=".007 .004" {lens}')
+    ball = BALL.replace("<body", '<body pos=".6 0 .2"')
+    model = model_of(flex(2, "60 10 20") + ball, eye=eye)
+    data = mujoco.MjData(model)
+    with PhotometricCamera(model, "eye", width=WIDTH, height=HEIGHT) as camera:
+        expected = expected_bodies(camera, model, data)
+        assert (camera.visible(data).body != expected).mean() < 3e-4
+        # The flow is how far points move in the image.
+        data.qvel[:] = 0.3
+        flow, seen = camera.flow_px_s(data), camera.visible(data)
+        later = mujoco.MjData(model)
+        later.qpos[:] = data.qpos
+        mujoco.mj_integratePos(model, later.qpos, data.qvel, 0.2)
+        moved = camera.visible(later)
+    for body in (model.body("ball").id, model.nbody):
+        before, after = (np.argwhere(view.body == body).mean(axis=0) for view in (seen, moved))
+        mean = flow[seen.body == body].mean(axis=0)[::-1]
+        np.testing.assert_allclose((after - before) / 0.2, mean, rtol=0.08, atol=0.5)
+
+
 def _far_from_edges(body: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
     """Pixels whose neighbours, to which the lens blurs, show the sky too."""
     sky = np.pad(body == -1, 1, constant_values=True)
