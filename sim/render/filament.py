@@ -25,8 +25,11 @@ from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.draw_order import DrawOrder
 from sim.render.free_memory import return_free_memory
+from sim.render.illumination import Illumination
+from sim.render.luminance_model import has_linear_colours
 from sim.render.model_state import update_poses
 from sim.render.quiet_output import suppress_output
+from sim.render.sky_and_sun import SkyAndSun, neutral_options
 from sim.render.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
@@ -44,12 +47,18 @@ class FilamentRenderer:
         intrinsics: lens and sensor.
     """
 
-    def __init__(self, model: mujoco.MjModel, intrinsics: Intrinsics) -> None:
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        intrinsics: Intrinsics,
+        illumination: Illumination | None = None,
+    ) -> None:
         """Set up the renderer.
 
         Args:
             model: model with photometric lights; see `sim.render.luminance_model`.
             intrinsics: lens and sensor.
+            illumination: light that replaces the model's lights and rendering options; None: these.
 
         Raises:
             RendererError: this machine has no Vulkan device.
@@ -60,9 +69,14 @@ class FilamentRenderer:
             self._context = mjrf.Context(_context_config(software))
         self._context.set_clear_color([0.0, 0.0, 0.0])
         self._scene = self._context.create_scene(mjrf.SceneParams())
-        self._scene.configure_from_model(model)
         self._resources = mjrf.ModelResources(self._context, model)
-        self._lights = mjrf.ModelLights(self._scene, self._resources)
+        if illumination is None:
+            self._scene.configure_from_model(model)
+            self._lights: Any = mjrf.ModelLights(self._scene, self._resources)
+        else:
+            linear = has_linear_colours(model)
+            self._scene.configure_from_model(neutral_options(linear_colours=linear))
+            self._lights = SkyAndSun(self._context, self._scene, illumination)
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
         data = mujoco.MjData(model)
         update_poses(model, data)  # without poses, a skin or flex crashes the first update
