@@ -22,6 +22,7 @@ from sim.geometry.rectangles import image_rectangle
 from sim.raster import flow
 from sim.raster.visibility import VisibilityMap
 from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.illumination import Illumination, named_illumination
 from sim.render.luminance_model import luminance_model
 from sim.render.model_camera import camera_id, camera_intrinsics
 from sim.render.model_state import ModelState
@@ -53,33 +54,40 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         height: int | None = None,
         supersample: int = 2,
         still: bool = False,
+        light: str | Illumination | None = None,
     ) -> None:
         """Set up the renderer.
 
         Args:
-            model: model with at least one light that has an intensity. Later changes to the model
-                have no effect.
+            model: model with at least one light that has an intensity, unless `light` is given.
+                Later changes to the model have no effect.
             camera: name of the camera.
             width: width of the image [px]; None: from the camera's resolution.
             height: height of the image [px]; None: from the camera's resolution.
             supersample: rendered pixels per sensor pixel and axis.
             still: True to accept a model in which nothing can move.
+            light: "daylight", "overcast", "dusk", "indoor" or "night", or an `Illumination`. It
+                replaces the model's lights and sky. None: the model's lights.
 
         Raises:
-            SceneConfigError: the model has no such camera, no light, or nothing that can move; or
-                the camera is not a central pinhole or has no image size.
+            SceneConfigError: the model has no such camera, no light, or nothing that can move; the
+                camera is orthographic or has no image size; or there is no such `light`.
             RendererError: this machine has no Vulkan device.
         """
         number = camera_id(model, camera)
-        _check_light(model)
+        illumination = None if light is None else named_illumination(light)
+        if illumination is None:
+            _check_light(model)
         if not still:
             _check_motion(model)
         self.intrinsics = camera_intrinsics(model, camera, width=width, height=height)
         self._supersample, self._state = supersample, ModelState(model, number)
-        grey = luminance_model(model)
+        grey = luminance_model(model, illumination)
         self._truth = ModelTruth(grey, self._state, self.intrinsics)
         self.deforming = self._truth.deforming
-        self._renderer: FilamentRenderer | None = FilamentRenderer(grey, self.intrinsics)
+        self._renderer: FilamentRenderer | None = FilamentRenderer(
+            grey, self.intrinsics, illumination
+        )
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -165,7 +173,7 @@ def _check_light(model: mujoco.MjModel) -> None:
         raise SceneConfigError(
             f"none of the model's {model.nlight} lights has an intensity, so the luminance in "
             "cd/m² is 0. Allowed is at least one intensity above 0, in lux for a directional light "
-            f"or in candela for a spot. Add {EXAMPLE_LIGHT}."
+            f'or in candela for a spot. Add {EXAMPLE_LIGHT}, or pass light="daylight".'
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from emulator import EventSensor, SensorConfig, SensorOutput
 from flybench.events import empty_events
 from scenarios.errors import ScenarioError
-from sim import Intrinsics, PhotometricCamera, SceneConfigError
+from sim import Illumination, Intrinsics, PhotometricCamera, SceneConfigError
 from sim.render.filament import Luminance
 
 STEP_PX = 0.5
@@ -50,13 +50,14 @@ class EventCamera:
         step_px: float = STEP_PX,
         supersample: int = 2,
         still: bool = False,
+        light: str | Illumination | None = None,
         threads: int = 1,
     ) -> None:
         """Create the camera and the sensor.
 
         Args:
-            model: a `mujoco.MjModel` with at least one light that has an intensity. sim/README.md
-                describes what makes its luminance physical.
+            model: a `mujoco.MjModel` with at least one light that has an intensity, unless `light`
+                is given. sim/README.md describes what makes its luminance physical.
             camera: name of a camera of the model; its image gets the sensor's size.
             sensor: configuration of the sensor; None: a DAVIS346 with all its noise.
             seed: seed of everything random.
@@ -64,11 +65,14 @@ class EventCamera:
             step_px: greatest motion between two samples [px].
             supersample: rendered pixels per sensor pixel along each axis.
             still: True to accept a model in which nothing can move.
+            light: "daylight", "overcast", "dusk", "indoor" or "night", or an `Illumination`. It
+                replaces the model's lights and sky. None: the model's lights.
             threads: number of threads for a sensor step.
 
         Raises:
             ScenarioError: the period or the step is not positive.
-            SceneConfigError: there is no such camera, no light, or nothing that can move.
+            SceneConfigError: there is no such camera, no light, or nothing that can move; or there
+                is no such `light`.
             SensorConfigError: the sensor or the seed is invalid.
             RendererError: there is no Vulkan device.
         """
@@ -86,6 +90,7 @@ class EventCamera:
             height=sensor.height,
             supersample=supersample,
             still=still,
+            light=light,
         )
         self.intrinsics: Intrinsics = self._camera.intrinsics
         self.samples = 0
