@@ -130,8 +130,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
             the number of bodies of the model plus k.
 
         Raises:
-            SceneConfigError: the model has a geom without triangles, such as a height field; or
-                `data` belongs to another model.
+            SceneConfigError: `data` belongs to another model.
         """
         return self._truth.visible(data)
 

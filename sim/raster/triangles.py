@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.errors import SceneConfigError
+from sim.raster.height_field import height_field_triangles
 from sim.raster.rendered import rendered
 from sim.raster.scan_conversion import transform_triangles
 
@@ -56,12 +56,9 @@ def triangle_soup(model: mujoco.MjModel, *, complete: bool = False) -> TriangleS
     """Return the rendered geoms of a model as triangles.
 
     Args:
-        model: model of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
+        model: the model.
         complete: True to add the rendered sites, and the backs of planes. A camera that is below a
             plane sees its back.
-
-    Raises:
-        SceneConfigError: the model has a rendered geom of another type.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -122,9 +119,6 @@ def element_triangles(
         data: its poses.
         kind: "geom" or "site".
         number: number of the element.
-
-    Raises:
-        SceneConfigError: its shape has no triangles here.
     """
 
     def of(array: str, source: mujoco.MjModel | mujoco.MjData = model) -> npt.NDArray[np.float64]:
@@ -133,14 +127,10 @@ def element_triangles(
     shape, quality = mujoco.mjtGeom(of("type")), model.vis.quality
     if shape in _MESHES:
         local = _mesh(model, int(of("dataid")), in_own_frame=kind == "site")
-    elif shape in _SHAPES:
-        local = shape_triangles(shape, of("size"), quality.numslices, quality.numstacks)
+    elif shape == mujoco.mjtGeom.mjGEOM_HFIELD:
+        local = height_field_triangles(model, int(of("dataid")))
     else:
-        allowed = ", ".join(known.name for known in (*_SHAPES, *_MESHES))
-        raise SceneConfigError(
-            f"{kind} {number} has the type {shape.name}, which cannot be converted to triangles. "
-            f"Allowed are {allowed}. Replace the {kind} by one of these."
-        )
+        local = shape_triangles(shape, of("size"), quality.numslices, quality.numstacks)
     return np.asarray(local @ of("xmat", data).reshape(3, 3).T + of("xpos", data))
 
 

@@ -225,21 +225,6 @@ def test_data_of_another_model_is_refused(eye: PhotometricCamera) -> None:
         eye.depth_m(mujoco.MjData(room()))
 
 
-def test_a_height_field_has_luminance_but_no_depth() -> None:
-    height_field = '<hfield name="h" nrow="4" ncol="4" size="1 1 1 .1"/>'
-    xml = ROOM.format(
-        light=EXAMPLE_LIGHT,
-        more=BALL + '<geom type="hfield" hfield="h"/>',
-        rgba="1 1 1",
-        text=LINEAR,
-    ).replace("</asset>", f"{height_field}</asset>")
-    model = mujoco.MjModel.from_xml_string(xml)
-    with PhotometricCamera(model, "down", **SIZE) as camera:
-        assert camera.luminance(mujoco.MjData(model)).min() > 0
-        with pytest.raises(SceneConfigError, match="mjGEOM_HFIELD"):
-            camera.depth_m(mujoco.MjData(model))
-
-
 def test_reading_a_closed_camera_is_refused(pendulum: mujoco.MjModel) -> None:
     with PhotometricCamera(pendulum, "eye", **SIZE) as camera:
         pass

@@ -12,7 +12,6 @@ from flybench.events import Events
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.event_camera import MAX_TRAVEL_PX, EventCamera, MotionWarning
 from sim import SceneConfigError, open_model
-from sim.photometric_camera import EXAMPLE_LIGHT
 from sim.scene.assets import ASSETS
 
 SENSOR = SensorConfig.noise_free(width=87, height=65)
@@ -98,21 +97,6 @@ def test_time_that_does_not_advance_is_refused(model: mujoco.MjModel) -> None:
         camera.step(data)
         with pytest.raises(ScenarioError, match=r"is 0 µs, and was 0 µs .* after mj_resetData"):
             camera.step(data)
-
-
-def test_a_shape_whose_motion_is_unknown_needs_a_period() -> None:
-    hills = mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
-      <hfield name="h" nrow="2" ncol="2" size="5 5 1 .1"/></asset><worldbody>{EXAMPLE_LIGHT}
-      <camera name="eye" pos="0 0 3"/><geom type="hfield" hfield="h"/>
-      <body pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
-    data = mujoco.MjData(hills)
-    with EventCamera(hills, "eye", sensor=SENSOR, supersample=1) as camera:
-        camera.step(data)
-        mujoco.mj_step(hills, data)
-        with pytest.raises(ScenarioError, match=r"is unknown: .* Or set period_us"):
-            camera.step(data)
-    *_, camera = record(hills, data, 3, period_us=3000)
-    assert camera.samples == 2
 
 
 @pytest.mark.parametrize(
