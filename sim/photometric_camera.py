@@ -121,8 +121,8 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
     def visible(self, data: mujoco.MjData) -> VisibilityMap:
         """Return what the middle of each pixel shows, and its nearness.
 
-        It counts exactly what is rendered: geoms, sites, flexes, skins, spatial tendons and
-        slider-cranks of the groups 0 to 2 whose colour is not fully transparent. Of a translucent
+        It counts exactly what is rendered: geoms, sites, flexes, skins and spatial tendons of the
+        groups 0 to 2 whose colour is not fully transparent, and slider-cranks. Of a translucent
         surface and what is seen through it, the surface counts.
 
         Returns:
@@ -130,7 +130,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
             the number of bodies of the model plus k.
 
         Raises:
-            SceneConfigError: `data` belongs to another model.
+            SceneConfigError: `data` belongs to another model; or its tendons have too many parts.
         """
         return self._truth.visible(data)
 

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.errors import SceneConfigError
 from sim.raster.rendered import rendered
 from sim.raster.triangles import Triangles, shape_triangles
 
@@ -65,11 +66,19 @@ class DeformingShapes:
 
         Args:
             data: with the poses of bodies, flexes and tendons; they are not changed.
+
+        Raises:
+            SceneConfigError: tendons have too many parts.
         """
         if not self.objects:
             return []
         every, camera = mujoco.mjtCatBit.mjCAT_ALL, mujoco.MjvCamera()
         mujoco.mjv_updateScene(self._model, data, self._option, None, camera, every, self._scene)
+        if self._scene.ngeom >= MAX_PARTS:
+            raise SceneConfigError(
+                f"the model's tendons have {MAX_PARTS} parts or more. Allowed are fewer. Hide some "
+                'of the tendons with group="3".'
+            )
         parts: dict[tuple[int, int], list[Triangles]] = {}
         for part in self._scene.geoms[: self._scene.ngeom]:
             if part.type in (_GEOM.mjGEOM_CAPSULE, _GEOM.mjGEOM_CYLINDER):

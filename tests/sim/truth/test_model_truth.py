@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim import PhotometricCamera
+from sim import PhotometricCamera, SceneConfigError
 from sim.geometry.rectangles import image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX
 from sim.render.filament import FAR_M
@@ -296,3 +296,13 @@ def test_a_rope_that_begins_to_touch_a_geom_keeps_its_flow() -> None:
         data.qpos[:] = height
         flows.append(flow_and_visible(model, data)[0])
     assert all(np.isfinite(flow).all() and np.abs(flow).max() > 10 for flow in flows)
+
+
+def test_tendons_with_too_many_parts_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sim.raster.deforming.MAX_PARTS", 5)
+    model = model_of(*CASES["rope"])
+    with (
+        PhotometricCamera(model, "eye", width=8, height=8) as camera,
+        pytest.raises(SceneConfigError, match=r"have 5 parts or more.*Hide some"),
+    ):
+        camera.visible(mujoco.MjData(model))
