@@ -49,7 +49,7 @@ def test_the_material_of_a_flex_is_found() -> None:
     model = mujoco.MjModel.from_xml_string(
         MODEL.format(
             '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" dim="2" mass="1" '
-            'material="clear"/>'
+            'material="clear"><edge equality="true"/></flexcomp>'
         )
     )
     np.testing.assert_array_equal(rendered(model, "flex"), [False])
