@@ -13,6 +13,8 @@ material is created in a frame of its own.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count as counting
+from itertools import takewhile
 from typing import Any
 
 import mujoco
@@ -24,6 +26,8 @@ from sim.render.quiet_output import suppress_output
 MAX_STATES = 8
 """States of the materials after which older ones are deleted (assumed: flickering lamps need two).
 All materials are then created again, which costs a frame of one pixel for each."""
+_WHOLE = -1
+"""Number of a part that stands for an object without parts."""
 _FAR_M = 1e6
 """Distance of the second scene's near plane: nothing is beyond it, so nothing is drawn [m]."""
 
@@ -66,8 +70,7 @@ class DrawOrder:
         renderables = mjrf.ModelRenderables(self._scene, self._resources)
         renderables.update(data)
         self._states[state] = renderables
-        for kind, number, shader in self._objects():
-            renderable = renderables.get_renderable(kind, number, -1)
+        for renderable, shader in self._objects(renderables):
             self._scene.remove_renderable(renderable)
             key = (*shader, *_values(renderable.get_material()))
             if key not in self._known:
@@ -126,6 +129,9 @@ class DrawOrder:
             m.geom_size,
             m.site_matid,
             m.site_rgba,
+            m.flex_rgba,
+            m.skin_rgba,
+            m.tendon_rgba,
             m.mat_rgba,
             m.mat_emission,
             m.mat_specular,
@@ -137,14 +143,22 @@ class DrawOrder:
         ]
         return b"".join(array.tobytes() for array in arrays)
 
-    def _objects(self) -> Iterator[tuple[mujoco.mjtObj, int, tuple[int, ...]]]:
-        """Yield the type and number of each geom and site, and what determines its shader."""
-        m = self._model
+    def _objects(self, renderables: Any) -> Iterator[tuple[Any, tuple[int, ...]]]:
+        """Yield everything that is drawn, in the model's order, and what determines its shader."""
+        m, kind = self._model, mujoco.mjtObj
         for k in range(m.ngeom):
             shader = int(m.geom_type[k]), int(m.geom_dataid[k]), int(m.geom_matid[k])
-            yield mujoco.mjtObj.mjOBJ_GEOM, k, shader
+            yield renderables.get_renderable(kind.mjOBJ_GEOM, k, _WHOLE), shader
         for k in range(m.nsite):
-            yield mujoco.mjtObj.mjOBJ_SITE, k, (int(m.site_type[k]), -1, int(m.site_matid[k]))
+            shader = int(m.site_type[k]), _WHOLE, int(m.site_matid[k])
+            yield renderables.get_renderable(kind.mjOBJ_SITE, k, _WHOLE), shader
+        for k in range(m.nskin):
+            yield renderables.get_renderable(kind.mjOBJ_SKIN, k, _WHOLE), (kind.mjOBJ_SKIN, k)
+        for segmented, count in ((kind.mjOBJ_FLEX, m.nflex), (kind.mjOBJ_TENDON, m.ntendon)):
+            for k in range(count):
+                parts = (renderables.get_renderable(segmented, k, part) for part in counting())
+                for renderable in takewhile(lambda found: found is not None, parts):
+                    yield renderable, (segmented, k)
 
 
 def _values(material: Any) -> tuple[float, ...]:

@@ -23,19 +23,25 @@ WHOLE = (0, 0, LENS.width, LENS.height)
 ABOVE = Pose(np.array([0.0, 0.0, 3.0]), up=np.array([0.0, 1.0, 0.0]))
 
 
+BOX = '<geom type="box" size="9 9 .1" material="m{0}"/>'
+CLOTH = """<flexcomp name="f{0}" type="grid" dim="2" count="2 2 1" spacing="9 9 1" mass="1"
+material="m{0}"><edge equality="true"/></flexcomp>"""
+SITE = '<site type="box" size="9 9 .1" material="m{0}"/>'
+
+
 def grey(number: float) -> float:
     """Return the reflectance of a slab."""
     return (number + 1) / BRIGHTEST_CD_M2
 
 
-def coinciding_slabs() -> Any:
+def coinciding_slabs(shape: str) -> Any:
     """Return a model of slabs in the same place. Number k has a luminance of k + 1 [cd/m²]."""
     numbers = range(COUNT)
     matte = 'metallic="0" roughness="1"'
     materials = "".join(
         f'<material name="m{k}" rgba="{grey(k)} {grey(k)} {grey(k)} 1" {matte}/>' for k in numbers
     )
-    slabs = "".join(f'<geom type="box" size="9 9 .1" material="m{k}"/>' for k in numbers)
+    slabs = "".join(shape.format(k) for k in numbers)
     spec = mujoco.MjSpec.from_string(f"""
     <mujoco>
       <custom><text name="filament.material.base_color_type" data="linear"/></custom>
@@ -53,8 +59,8 @@ def coinciding_slabs() -> Any:
 class Scene:
     """A renderer of the slabs."""
 
-    def __init__(self) -> None:
-        self.model = coinciding_slabs()
+    def __init__(self, shape: str) -> None:
+        self.model = coinciding_slabs(shape)
         self.data = mujoco.MjData(self.model)
         mujoco.mj_forward(self.model, self.data)
         self.renderer = FilamentRenderer(self.model, LENS)
@@ -69,13 +75,16 @@ class Scene:
 
 @pytest.fixture
 def scene() -> Any:
-    scene = Scene()
+    scene = Scene(BOX)
     with scene.renderer:
         yield scene
 
 
-def test_of_coinciding_surfaces_the_last_is_seen(scene: Scene) -> None:
-    assert scene.seen() == pytest.approx(COUNT, abs=0.3)
+@pytest.mark.parametrize("shape", [BOX, SITE, CLOTH])
+def test_of_coinciding_surfaces_the_last_is_seen(shape: str) -> None:
+    scene = Scene(shape)
+    with scene.renderer:
+        assert scene.seen() == pytest.approx(COUNT, abs=0.3)
 
 
 def test_hiding_and_showing_surfaces_does_not_change_their_order(scene: Scene) -> None:
