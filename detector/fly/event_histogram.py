@@ -20,6 +20,8 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled, inlined
 
+Longs = npt.NDArray[np.int64]
+
 NOW, ORIGIN, OLDEST, PENDING, NEWEST = range(5)
 """Entries of the clock.
 
@@ -27,6 +29,14 @@ The first two are the time reached and the origin of the weights [µs]. The othe
 from the start: the oldest in the window, the first that is not in the totals yet because it is of
 the present microsecond (events of one microsecond must not affect one another), and the next.
 """
+
+COUNT_BITS = 32
+"""Bit of an entry of `pixels` from which on it holds the number of further equal events.
+
+The lower bits are the number of the pixel, OFF before ON. Entries are merged only where memory
+would have to grow; see `merge_equal`.
+"""
+PIXEL_MASK = (1 << COUNT_BITS) - 1
 
 _ORIGIN_AGE_TAUS = 300
 """Age in τ at which the origin of the weights is renewed: e^300 is far from overflow."""
@@ -51,6 +61,26 @@ def weight_table(tau_us: int) -> npt.NDArray[np.float64]:
     low = np.exp(np.arange(_TABLE_SIZE) / tau_us)
     high = np.exp(np.arange(0, origin_age_us(tau_us) + 1, _TABLE_SIZE) / tau_us)
     return np.concatenate([low, high])
+
+
+def merge_equal(times: Longs, pixels: Longs) -> tuple[Longs, Longs]:
+    """Merge the entries of equal time and pixel into one, which counts them.
+
+    Events of one microsecond do not affect one another, so their order does not matter.
+
+    Args:
+        times: times of the entries, sorted [µs].
+        pixels: pixels of the entries, and the numbers of further equal events; see `COUNT_BITS`.
+
+    Returns:
+        Both without repetition, sorted by time and pixel.
+    """
+    order = np.lexsort((pixels & PIXEL_MASK, times))
+    times, pixels = times[order], pixels[order]
+    is_new = (np.diff(times, prepend=-1) != 0) | (np.diff(pixels & PIXEL_MASK, prepend=-1) != 0)
+    starts = np.flatnonzero(is_new)
+    counts = np.add.reduceat((pixels >> COUNT_BITS) + 1, starts)
+    return times[starts], (pixels[starts] & PIXEL_MASK) | (counts - 1) << COUNT_BITS
 
 
 @compiled
@@ -130,7 +160,9 @@ def _add_pending(totals: Any, pixels: Any, pending: int, newest: int, weight: fl
     """Add the events of the past microsecond to the totals of their pixels."""
     wrap = pixels.size - 1
     for k in range(pending, newest):
-        totals[pixels[k & wrap]] += weight
+        entry = pixels[k & wrap]
+        for _ in range((entry >> COUNT_BITS) + 1):
+            totals[entry & PIXEL_MASK] += weight
 
 
 @inlined
@@ -148,9 +180,11 @@ def _drop_expired(
     wrap = times.size - 1
     while oldest < newest and times[oldest & wrap] < start_us:
         weight = _weight(times[oldest & wrap] - origin, table)
-        rest = totals[pixels[oldest & wrap]] - weight
-        # Another event would weigh at least as much: less than half of it is rounding error.
-        totals[pixels[oldest & wrap]] = rest if rest > 0.5 * weight else 0.0
+        pixel = pixels[oldest & wrap] & PIXEL_MASK
+        for _ in range((pixels[oldest & wrap] >> COUNT_BITS) + 1):
+            rest = totals[pixel] - weight
+            # Another event would weigh at least as much: less than half of it is rounding error.
+            totals[pixel] = rest if rest > 0.5 * weight else 0.0
         oldest += 1
     return oldest
 

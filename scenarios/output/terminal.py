@@ -7,13 +7,15 @@ import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from dataclasses import field, make_dataclass
+from typing import Annotated, Any, Protocol
 
 import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.errors import FlybenchError
+from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
 from scenarios.errors import is_interrupt
 from scenarios.output.repetition import check_repetition
 from scenarios.output.streams import (
@@ -23,6 +25,9 @@ from scenarios.output.streams import (
     own_output,
     prepare_streams,
 )
+
+_MEMORY_HELP = "Memory for large arrays in each process [GB]. What would need more is refused."
+_MEMORY_HINT = f"(default: ${VARIABLE}, or {DEFAULT_GB:g})"
 
 
 class Command(Protocol):
@@ -94,8 +99,15 @@ def run_cli(command: Any, *, prog: str | None = None, description: str | None = 
     """
     prepare_streams()
     try:
-        chosen = tyro.cli(command, prog=prog, description=description)
+        arguments = tyro.cli(
+            _with_shared_options(command),
+            prog=prog,
+            description=description or command.__doc__,
+            config=(tyro.conf.CascadeSubcommandArgs,),
+        )
+        chosen: Any = arguments.command
         check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
+        set_budget(budget_gb() if arguments.memory_gb is None else arguments.memory_gb)
     except FlybenchError as error:  # raised by arguments that check themselves
         complain(str(error))
         sys.exit(2)
@@ -117,6 +129,16 @@ def _flushed(status: Any) -> Any:
         discard_output()
         return 1
     return status
+
+
+def _with_shared_options(command: Any) -> Any:
+    """Return a class whose arguments are a command, and the options that all commands share."""
+    memory = tyro.conf.arg(metavar="GB", help=_MEMORY_HELP, help_behavior_hint=_MEMORY_HINT)
+    arguments: list[tuple[str, Any, Any]] = [
+        ("command", Annotated[command, tyro.conf.arg(name="")], field()),
+        ("memory_gb", Annotated[float | None, memory], None),
+    ]
+    return make_dataclass("Arguments", arguments)
 
 
 def execute(command: Command) -> int:

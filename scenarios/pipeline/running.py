@@ -10,11 +10,14 @@ from dataclasses import dataclass
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyDetector
 from emulator import EventSensor, SensorOutput
+from emulator.sensor import sensor_bytes
+from flybench.memory import check_memory
 from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.user_detectors import find_method
 from sim import Crossing, GroundTruth, Intrinsics, LuminanceCache, Sample
+from sim.render.filament import rendering_bytes
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,21 @@ def make_feed(config: RunConfig) -> DetectorFeed:
     sensor = config.sensor
     detector = make_detector(config)
     return DetectorFeed(config.method, detector, width=sensor.width, height=sensor.height)
+
+
+def check_run_memory(config: RunConfig) -> None:
+    """Refuse a run whose scene, sensor and detector do not fit into memory together.
+
+    Raises:
+        MemoryBudgetError: they do not fit into the memory budget.
+        MethodError: the detector does not exist, or does not follow the protocol.
+    """
+    detector, sensor = make_detector(config), config.sensor
+    intrinsics = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
+    needed = sensor_bytes(sensor) + rendering_bytes(intrinsics, config.crossing.supersample)
+    what = f"Rendering and emulation of {sensor.width}×{sensor.height} px"
+    check_memory(what, needed)
+    del detector  # counted until here
 
 
 def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
