@@ -30,6 +30,16 @@ def open_regular(path: Path) -> BinaryIO:
     raise OSError(errno.EINVAL, "it is not a regular file", str(path))
 
 
+def open_lock(path: Path) -> BinaryIO:
+    """Open a file to lock it, and create it if it is missing; not even a FIFO blocks.
+
+    Raises:
+        OSError: the file cannot be opened or created.
+    """
+    flags = os.O_RDWR | os.O_CREAT | os.O_NONBLOCK | os.O_CLOEXEC
+    return os.fdopen(os.open(path, flags, 0o666), "rb")
+
+
 def read_small_text(path: Path) -> str:
     """Return the text of a configuration file, or of a pipe such as /dev/stdin.
 

@@ -14,6 +14,7 @@ import numpy as np
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
 from flybench.memory import check_memory
+from flybench.printable import printable
 from formats.column_order import check_order
 from formats.columns import MAX_SIDE_PX, ReadOptions
 from formats.errors import FormatError
@@ -156,7 +157,8 @@ class EventFile:
         self.width, self.height = header["size"]
         self.size_source: str = header["size_source"]
         self.has_frames: bool = header["has_frames"]
-        self.header_fields: dict[str, str] = header["facts"]
+        facts: dict[str, str] = header["facts"]
+        self.header_fields = {printable(name): printable(fact) for name, fact in facts.items()}
         self.origin_us: int = header["origin_us"]
         self.warnings: tuple[str, ...] = tuple(header["warnings"])
         self.sorted_events: int | None = None

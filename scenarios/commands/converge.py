@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from flybench.direction import Direction
@@ -16,7 +15,7 @@ from scenarios.convergence.measure import COLUMNS, RENDERINGS, measure_convergen
 from scenarios.errors import ScenarioError
 from scenarios.options.distractors import DistractorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.output.versions import versions
@@ -107,7 +106,7 @@ def print_rows(rows: list[tuple[Any, ...]]) -> None:
             " / ".join(f"{100 * share:.0f}" for share in matched) + " %",
             f"{median:.0f} µs",
         )
-    Console(file=own_output()).print(table)
+    SafeConsole().print(table)
 
 
 if __name__ == "__main__":

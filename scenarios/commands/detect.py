@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
 from detector.estimate import FrameDetector
 from formats import EventFile, FormatError
@@ -24,7 +23,7 @@ from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole, own_output
 from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import FLY
@@ -82,7 +81,7 @@ class Detect:
 
     def _printer(self) -> EstimatePrinter:
         stream = own_output()
-        return EstimateJson(stream) if self.json else EstimateTable(Console(file=stream))
+        return EstimateJson(stream) if self.json else EstimateTable(SafeConsole())
 
     def _read(
         self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
@@ -176,13 +175,13 @@ class Detect:
                 )
 
     def _print_outputs(self) -> None:
-        console = Console(stderr=True) if self.json else Console(file=own_output())
+        console = SafeConsole(stderr=True) if self.json else SafeConsole()
         if self.plot:
-            console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
+            console.print(f"wrote {self.plot}", soft_wrap=True)
         if self.rrd:
             command = view_command(self.rrd)
             text = f"wrote {self.rrd}   open it with: {command}"
-            console.print(text, soft_wrap=True, markup=False)
+            console.print(text, soft_wrap=True)
 
 
 def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:

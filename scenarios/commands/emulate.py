@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from emulator import EventSensor, SensorOutput, preset
@@ -26,7 +25,7 @@ from scenarios.emulate.pictures import open_pictures
 from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import check_output_file
-from scenarios.output.streams import complain, own_output
+from scenarios.output.streams import SafeConsole, complain
 from scenarios.output.terminal import progress_bar, run_cli
 
 WHITE_CD_M2 = 200.0
@@ -221,7 +220,7 @@ class Emulate:
         for name, value in rows.items():
             if name != "interpolated" or self.interpolate:
                 table.add_row(name, value)
-        Console(file=own_output()).print(table)
+        SafeConsole().print(table)
 
 
 def _print_note(text: str, *, kind: str = "warning") -> None:

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Annotated, ClassVar
 
 import tyro
-from rich.console import Console
 
 from scenarios.options.method import ALLOWED_METHODS
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import ProgressBars, progress_bar, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import DETECTORS
@@ -85,7 +84,7 @@ class Validate:
             ]
         with atomic_folder(self.out) as work:
             self._write(work, manifest, methods, results)
-        print_results(Console(file=own_output()), results)
+        print_results(SafeConsole(), results)
         say(f"wrote {self.out / PAGE}")
         return 0
 

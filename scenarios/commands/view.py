@@ -122,7 +122,7 @@ def find_recordings(path: Path, name: str | None = None) -> list[Path]:
     if name is not None:
         return [_named(found, name, study)]
     recording = path / RECORDING if path.is_dir() else path
-    if not recording.is_file() or not is_recording(recording):
+    if not is_recording(recording):
         raise ScenarioError(
             f"There is no recording at {path}. Allowed is a folder that flybench run or flybench "
             f"study wrote, or an {SUFFIX} file. Make one with: flybench run"
@@ -143,6 +143,8 @@ def _named(found: list[Path], name: str, study: Path) -> Path:
 
 def is_recording(path: Path) -> bool:
     """Return True if a file begins like the files of Rerun."""
+    if not path.is_file():  # opening a FIFO would block
+        return False
     with path.open("rb") as file:
         return file.read(len(MAGIC)) == MAGIC
 

@@ -19,7 +19,6 @@ from scenarios.emulate.time_file import times_of_frames
 from scenarios.emulate.video_times import cut_warnings, video_times
 from scenarios.errors import ScenarioError
 
-
 _CONTAINERS = (
     "mov,mp4,m4a,3gp,3g2,mj2,avi,matroska,webm,mpeg,mpegts,ogg,flv,asf,mxf,nut,gif,"
     "yuv4mpegpipe,h264,hevc,m4v,mjpeg,mpegvideo,ivf,obu,dv"

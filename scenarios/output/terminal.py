@@ -11,14 +11,15 @@ from dataclasses import field, make_dataclass
 from typing import Annotated, Any, Protocol
 
 import tyro
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.errors import FlybenchError
 from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
+from flybench.printable import printable
 from scenarios.errors import is_interrupt
 from scenarios.output.repetition import check_repetition
 from scenarios.output.streams import (
+    SafeConsole,
     claim_output,
     complain,
     discard_output,
@@ -53,7 +54,7 @@ class ProgressBars:
         Returns:
             Function that sets the bar from the amount done and the total, such as times in µs.
         """
-        task = self._progress.add_task(name, total=None)
+        task = self._progress.add_task(printable(name), total=None)
 
         def advance(done: int, total: int) -> None:
             self._progress.update(task, completed=done, total=total)
@@ -70,14 +71,14 @@ def progress_bar(speed_over_s: float = 30.0) -> Iterator[ProgressBars]:
             a long period for long steps.
     """
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    console = Console(stderr=True)
+    console = SafeConsole(stderr=True)
     with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
         yield ProgressBars(progress)
 
@@ -152,6 +153,9 @@ def execute(command: Command) -> int:
         return int(_flushed(command.execute()))
     except FlybenchError as error:
         complain(str(error))
+        return 2
+    except MemoryError:
+        complain("memory ran out. Close other programs, or choose something smaller.")
         return 2
     except KeyboardInterrupt:
         return _interrupted()
