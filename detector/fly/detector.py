@@ -176,7 +176,9 @@ class FlyDetector:
                 contradicts itself.
         """
         check_header(state, state_header(self.config, width=self._width, height=self._height))
-        check_arrays(state, self.state(), any_length={"surfaces.times", "surfaces.pixels"})
+        check_arrays(
+            state, self.state(), any_length={"surfaces.times", "surfaces.pixels", "surfaces.merged"}
+        )
         hop, now_us = int(state["fly.hop"]), int(state["fly.now_us"])
         if hop != max(now_us, 0) // self.config.hop_us:
             raise StateError(

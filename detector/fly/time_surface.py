@@ -30,10 +30,13 @@ F32 = npt.NDArray[np.float32]
 
 _FIRST_CAPACITY = 1 << 12
 """Entries that the ring buffer holds at first; it doubles when a window has more."""
-_ENTRY_BYTES, _GROWTH_BYTES = 16, 80
+_CROWD = 64
+"""Mean number of events of one time stamp above which merging is tried (assumed: above that of real
+sensors, because sorting the buffer takes longer than filling it)."""
+_ENTRY_BYTES, _GROWTH_BYTES = 20, 80
 """Memory per entry of the ring buffer, and per entry of the old one while it grows [bytes]."""
 
-_ARRAYS = ("totals", "times", "pixels", "clock", "tallies", "surfaces", "has_surface")
+_ARRAYS = ("totals", "times", "pixels", "merged", "clock", "tallies", "surfaces", "has_surface")
 """Arrays of `TimeSurfaces` that belong to its state."""
 
 
@@ -92,7 +95,7 @@ class TimeSurfaces:
     @property
     def memory_bytes(self) -> int:
         """Size of the ring buffer of the last Δt's events; it does not grow with the stream."""
-        return self._times.nbytes + self._pixels.nbytes
+        return self._times.nbytes + self._pixels.nbytes + self._merged.nbytes
 
     def state(self) -> dict[str, npt.NDArray[Any]]:
         """Return copies of everything that changes, as arrays by name."""
@@ -113,8 +116,13 @@ class TimeSurfaces:
         kept = clock[NEWEST] - clock[OLDEST]
         is_ring = times.size == pixels.size > 0 and times.size & (times.size - 1) == 0
         is_ordered = 0 <= clock[OLDEST] <= clock[PENDING] <= clock[NEWEST]
+        merged = state["merged"]
         is_inside = (
-            is_ring and pixels.min() >= 0 and (pixels & PIXEL_MASK).max() < self._totals.size
+            is_ring
+            and pixels.min() >= -merged.size
+            and pixels.max() < self._totals.size
+            and (merged >= 0).all()
+            and ((merged & PIXEL_MASK) < self._totals.size).all()
         )
         if not (is_inside and is_ordered and kept <= times.size):
             raise StateError(
@@ -152,7 +160,8 @@ class TimeSurfaces:
             array[...] = 0
         self._clock[ORIGIN] = -self._config.window_us
         self._times = np.zeros(_FIRST_CAPACITY, np.int64)
-        self._pixels = np.zeros(_FIRST_CAPACITY, np.int64)
+        self._pixels = np.zeros(_FIRST_CAPACITY, np.int32)
+        self._merged = np.zeros(0, np.int64)
         count_memory(self, "A new fly", _FIRST_CAPACITY * _ENTRY_BYTES)
         self._hop_events = [0] * self._config.window_hops
         self._slot = 0
@@ -183,7 +192,8 @@ class TimeSurfaces:
         return taken
 
     def _add(self, events: Events, start: int, until_us: int) -> int:
-        memory = self._totals, self._times, self._pixels, self._clock, self._tallies
+        ring = self._times, self._pixels, self._merged
+        memory = self._totals, *ring, self._clock, self._tallies
         return add_to_histogram(events, start, until_us, self._parameters, memory, self._slot)
 
     def average(self, *, hop: int) -> F32:
@@ -235,14 +245,14 @@ class TimeSurfaces:
         what = f"A window with {size} events of different time or pixel"
         check_memory(what, size * _GROWTH_BYTES, owner=self)
         order = np.arange(oldest, self._clock[NEWEST]) % size
-        times, pixels = self._times[order], self._pixels[order]
-        if np.count_nonzero(np.diff(times)) < size // 2:
-            times, pixels = merge_equal(times, pixels)
+        times, pixels, merged = self._times[order], self._pixels[order], self._merged
+        if np.count_nonzero(np.diff(times)) < size // _CROWD:
+            times, pixels, merged = merge_equal(times, pixels, merged)
             self._clock[NEWEST] = oldest + times.size
             self._clock[PENDING] = oldest + np.searchsorted(times, self._clock[NOW])
         if times.size > size // 2:
             size *= 2
             count_memory(self, what, size * _ENTRY_BYTES)
-        self._times, self._pixels = np.zeros(size, np.int64), np.zeros(size, np.int64)
+        self._times, self._pixels = np.zeros(size, np.int64), np.zeros(size, np.int32)
         order = np.arange(oldest, oldest + times.size) % size
-        self._times[order], self._pixels[order] = times, pixels
+        self._times[order], self._pixels[order], self._merged = times, pixels, merged

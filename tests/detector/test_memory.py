@@ -80,9 +80,7 @@ def test_merged_events_give_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> No
         return fly
 
     merged = run()
-    monkeypatch.setattr(
-        "detector.fly.time_surface.merge_equal", lambda times, pixels: (times, pixels)
-    )
+    monkeypatch.setattr("detector.fly.time_surface.merge_equal", lambda *ring: ring)
     plain = run()
     assert merged.state()["surfaces.pixels"].size < plain.state()["surfaces.pixels"].size
     for name in ("surfaces.totals", "surfaces.tallies", "surfaces.surfaces"):
@@ -91,13 +89,16 @@ def test_merged_events_give_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_equal_entries_are_counted() -> None:
     def packed(*entries: tuple[int, int]) -> npt.NDArray[np.int64]:
-        return np.array([pixel | further << COUNT_BITS for pixel, further in entries], np.int64)
+        return np.array([pixel | count << COUNT_BITS for pixel, count in entries], np.int64)
 
-    times, pixels = merge_equal(
-        np.array([1, 1, 1, 1, 2]), packed((5, 0), (3, 2), (5, 0), (3, 0), (3, 0))
+    times, pixels, merged = merge_equal(
+        np.array([1, 1, 1, 1, 2, 2]),
+        np.array([5, -1, 5, 3, 3, 4], np.int32),
+        packed((3, 3)),
     )
-    assert times.tolist() == [1, 1, 2]
-    assert pixels.tolist() == packed((3, 3), (5, 1), (3, 0)).tolist()
+    assert times.tolist() == [1, 1, 2, 2]
+    assert pixels.tolist() == [-1, -2, 3, 4]
+    assert merged.tolist() == packed((3, 4), (5, 2)).tolist()
 
 
 @pytest.mark.usefixtures("_small_budget")
