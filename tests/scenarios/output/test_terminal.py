@@ -144,7 +144,8 @@ def run_flybench(*arguments: str) -> tuple[int, str]:
 def test_the_budget_is_an_option_of_every_command(tmp_path: Path) -> None:
     path = tmp_path / "large.csv"
     path.write_text("0,0,0,1\n10,29000,28000,1\n20,5,5,0\n")
-    for arguments in (("detect", str(path)), ("--memory-gb", "3", "detect", str(path))):
+    detect = ("detect", str(path), "--columns", "txyp")
+    for arguments in (detect, ("--memory-gb", "3", *detect)):
         status, shown = run_flybench(*arguments)
         assert status == 2
         assert "A fly of 29001×28001 px needs" in shown
