@@ -6,7 +6,8 @@
 
 from formats.errors import FormatError, MissingLibraryError
 from formats.event_file import Chunk, EventFile, EventStatistics, open_events, read_events
-from formats.identify import FORMATS
+from formats.event_order import SORT_MAX_US
+from formats.identify import FORMATS, identify_format
 from formats.samples import IMU_DTYPE, TRIGGER_DTYPE, TriggerKind
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
@@ -15,6 +16,7 @@ __all__ = [
     "ENDINGS",
     "FORMATS",
     "IMU_DTYPE",
+    "SORT_MAX_US",
     "TRIGGER_DTYPE",
     "WRITERS",
     "Chunk",
@@ -24,6 +26,7 @@ __all__ = [
     "FormatError",
     "MissingLibraryError",
     "TriggerKind",
+    "identify_format",
     "open_events",
     "open_writer",
     "read_events",

@@ -9,11 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator import ApsFrame
+from flybench.memory import check_memory
 from formats.parser_process import FRAME
 from formats.samples import IMU_DTYPE, TRIGGER_DTYPE
 
 _FRAMES_MAX = 32
 """Most frames that wait (assumed)."""
+
+_FRAMES_KEPT = 2 * _FRAMES_MAX
+"""Frames that exist at once: those that wait, and those in use after them (estimated)."""
 
 _SAMPLES_MAX = 1 << 16
 """Most IMU samples, or triggers, that wait (assumed)."""
@@ -63,5 +67,6 @@ class HeldBack:
 
 def _frame(content: bytearray) -> ApsFrame:
     start_us, end_us, width, height = FRAME.unpack_from(content)
+    check_memory(f"A recording with APS frames of {width}×{height} px", _FRAMES_KEPT * len(content))
     image = np.frombuffer(content, "<u2", offset=FRAME.size).reshape(height, width)
     return ApsFrame(start_us=start_us, end_us=end_us, image=image)

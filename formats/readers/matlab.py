@@ -16,17 +16,10 @@ import h5py
 import numpy as np
 import scipy.io
 
-from formats.columns import (
-    Array,
-    EventColumns,
-    FileHeader,
-    ParsedFile,
-    ParsedItem,
-    ReadOptions,
-    to_microseconds,
-)
+from formats.columns import Array, EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
 from formats.errors import FormatError
 from formats.readers.arrays import COLUMN_ALIASES, match_columns
+from formats.readers.hdf5_links import children
 
 _BLOCK = 1 << 17
 _DEPTH_MAX = 4
@@ -74,12 +67,19 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     Raises:
         FormatError: there are no events, or they are damaged.
     """
+    del options
     with path.open("rb") as file:
         is_hdf5 = b"MATLAB 7.3" in file.read(116)
     try:
         places = _places_in_hdf5(path) if is_hdf5 else _places_in_version_5(path)
     except FormatError:
         raise
+    except MemoryError as error:
+        raise FormatError(
+            f"{path} does not fit into the memory of its parser. Allowed is 1 GB for a file of "
+            "version 5, which is loaded whole. Save it with -v7.3, or copy it again if it is "
+            "damaged."
+        ) from error
     except Exception as error:  # SciPy raises almost any type on a damaged file
         why = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise FormatError(f"{path} is truncated or damaged ({why}). Copy it again.") from error
@@ -98,13 +98,12 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
         facts["polarity"] = "1 is OFF, 2 is ON"
     if len(ranked) > 1:
         facts["not read"] = ", ".join(ranked[1:])
-    unit = options.time_unit or _time_unit(columns["t"])
-    facts["time unit"] = unit.replace("u", "µ")
-    return FileHeader(None, facts), _items(path, columns, first_px, off, unit)
+    header = FileHeader(None, facts, time_unit=None)
+    return header, _items(path, columns, first_px, off)
 
 
 def _items(
-    path: Path, columns: Mapping[str, Column], first_px: int, off: int, unit: str
+    path: Path, columns: Mapping[str, Column], first_px: int, off: int
 ) -> Iterator[ParsedItem]:
     for rows in _blocks(columns["t"]):
         try:
@@ -114,7 +113,7 @@ def _items(
                 f"{path} is damaged between events {rows.start} and {rows.stop}. Copy it again."
             ) from error
         x, y, p = (_signed(x) - first_px, _signed(y) - first_px, _signed(p) - off)
-        yield EventColumns(to_microseconds(t, unit, path=path), x, y, p)
+        yield EventColumns(t, x, y, p)
 
 
 def _signed(values: Array) -> Array:
@@ -145,14 +144,6 @@ def _off_value(column: Column) -> int:
             return 0
         has_two = has_two or block.max() == 2
     return int(has_two)
-
-
-def _time_unit(column: Column) -> str:
-    """Return "s" if times have decimals, else "us": MATLAB stores whole numbers as doubles too."""
-    if column.dtype.kind != "f":
-        return "us"
-    decimals = any((column[rows] % 1 != 0).any() for rows in _blocks(column))
-    return "s" if decimals else "us"
 
 
 def _places_in_version_5(path: Path) -> dict[str, Mapping[str, Column]]:
@@ -195,8 +186,7 @@ def _places_in_hdf5(path: Path) -> dict[str, Mapping[str, Column]]:
     def visit(name: str, item: Any) -> None:
         if not isinstance(item, h5py.Group) or name.startswith("#"):
             return
-        hard = [key for key in item if isinstance(item.get(key, getlink=True), h5py.HardLink)]
-        vectors = {key: item[key] for key in hard if _is_stored_vector(item[key])}
+        vectors = {key: data for key, data in children(item) if _is_stored_vector(data)}
         names = match_columns(vectors)
         if names is not None:
             for data in vectors.values():

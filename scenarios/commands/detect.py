@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -10,22 +9,23 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
 from detector.estimate import FrameDetector
-from formats import EventFile
+from formats import EventFile, FormatError
 from scenarios.commands.view import is_recording
 from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, EstimateTable
 from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice, run_detector
-from scenarios.detect.verdict import RecordingVerdict
+from scenarios.detect.spans import LEAST_SPAN_US
+from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us, percent
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.terminal import run_cli
-from scenarios.pipeline.feeding import fly_maps
+from scenarios.output.streams import SafeConsole, own_output
+from scenarios.output.terminal import report_failures, run_cli
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
@@ -36,8 +36,16 @@ from scenarios.runs.run_table import view_command
 class Detect:
     """Detect the direction of motion in a recording of any event camera."""
 
-    file: Annotated[Path, tyro.conf.Positional]
-    """Recording to read, or the folder of a flybench run."""
+    file: Annotated[
+        Path,
+        tyro.conf.Positional,
+        tyro.conf.arg(
+            help="Recording to read, or the folder of a flybench run. The verdict is a direction "
+            f"if at least {percent(LEAST_SHARE)} of the steps that name one name it (assumed), "
+            f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). scenarios/README.md "
+            "gives all its limits."
+        ),
+    ]
     method: MethodName = FLY
     json: bool = False
     """Print one JSON document with estimates, verdict and file statistics instead of tables."""
@@ -62,32 +70,45 @@ class Detect:
         check_not_rerun(path)
         with self.input.open(path) as file:
             scaled = self._make_detector(file)
-            with EstimateJson(sys.stdout) if self.json else EstimateTable(Console()) as printer:
-                verdict = self._read(file, scaled, printer)
-                printer.finish(file, self.method, scaled.changes, verdict)
+            size = {"width": file.width, "height": file.height}
+            feed = DetectorFeed(self.method, scaled.detector, **size)
+            with self._printer() as printer:
+                verdict = self._read(file, scaled, feed, printer)
+                failure = None if feed.failure is None else str(feed.failure)
+                printer.finish(file, self.method, scaled.changes, verdict, failure)
         self._print_outputs()
-        return 0
+        return report_failures([failure] if failure else [])
+
+    def _printer(self) -> EstimatePrinter:
+        stream = own_output()
+        return EstimateJson(stream) if self.json else EstimateTable(SafeConsole())
 
     def _read(
-        self, file: EventFile, scaled: ScaledDetector, printer: EstimatePrinter
+        self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
     ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
-        verdict, plot_data = RecordingVerdict(), PlotData()
+        verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled) if self.rrd else None
-            for part in run_detector(file, scaled.detector):
-                for estimate in part.estimates:
-                    verdict.add(estimate)
-                    printer.add(estimate)
-                if self.plot:
-                    plot_data.add(part)
-                if log:
-                    log(part)
+            try:
+                for part in run_detector(file, feed):
+                    verdict.add(part)
+                    for estimate in part.estimates:
+                        printer.add(estimate)
+                    if self.plot:
+                        plot_data.add(part)
+                    if log:
+                        log(part)
+            except FormatError:
+                if file.statistics.events:
+                    failure = None if feed.failure is None else str(feed.failure)
+                    printer.abandon(file, self.method, scaled.changes, verdict, failure)
+                raise
             check_not_empty(file)
             if self.plot:
                 png = stack.enter_context(atomic_file(self.plot))
-                title = f"{self._title(file)}: {verdict.direction.value}"
-                write_plot(png, plot_data, (file.width, file.height), title)
+                size = file.width, file.height
+                write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
 
     def _recorder(
@@ -154,13 +175,13 @@ class Detect:
                 )
 
     def _print_outputs(self) -> None:
-        console = Console(stderr=True) if self.json else Console()
+        console = SafeConsole(stderr=True) if self.json else SafeConsole()
         if self.plot:
-            console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
+            console.print(f"wrote {self.plot}", soft_wrap=True)
         if self.rrd:
             command = view_command(self.rrd)
             text = f"wrote {self.rrd}   open it with: {command}"
-            console.print(text, soft_wrap=True, markup=False)
+            console.print(text, soft_wrap=True)
 
 
 def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:

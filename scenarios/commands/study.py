@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,12 +11,13 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from flybench.checks import Range
-from scenarios.errors import ScenarioError
+from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
@@ -26,7 +27,7 @@ from scenarios.study.figures.all_figures import draw_figures
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.report.page import write_report
 from scenarios.study.report.terminal import print_study
-from scenarios.study.results import SequenceResult
+from scenarios.study.results import SequenceResult, without_failed
 from scenarios.study.rows import COLUMNS, Row, study_rows
 from scenarios.study.runner import run_sequences
 from scenarios.study.statistics import Interval, by_method_and_lighting
@@ -109,12 +110,15 @@ class Study:
                 advance = progress.track("study")
                 tasks = self._recorded(tasks, work)
                 sequences = run_sequences(tasks, jobs=self.jobs, progress=advance)
+            sequences, failed = without_failed(sequences)
+            if len(failed) == len(self.methods):
+                raise MethodError(next(iter(failed.values())))
             rows = study_rows(sequences)
             claims = evaluate_claims(rows)
-            self._write(work, tasks, sequences, rows, claims, start_s)
+            self._write(work, tasks, sequences, rows, claims, failed, start_s)
         print_study(rows, claims)
-        print(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
-        return 0
+        say(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
+        return report_failures(failed.values())
 
     def _check(self) -> None:
         _SEEDS.check("--seeds", self.seeds, ScenarioError)
@@ -157,6 +161,7 @@ class Study:
         sequences: Sequence[SequenceResult],
         rows: list[Row],
         claims: Sequence[Claim],
+        failed: Mapping[str, str],
         start_s: float,
     ) -> None:
         write_table(work / TABLE, COLUMNS, (tuple(row.values()) for row in rows))
@@ -169,8 +174,10 @@ class Study:
             claims=claims,
             parameters=self._parameters(tasks),
             figures=figures,
+            failed=failed,
         )
-        write_summary(work, self._summary(rows, claims, time.perf_counter() - start_s))
+        summary = self._summary(rows, claims, time.perf_counter() - start_s)
+        write_summary(work, summary | {"failed": failed})
 
     def _parameters(self, tasks: Sequence[SequenceTask]) -> dict[str, Any]:
         """Return the parameters for the report: arguments, scene, sensor and methods."""

@@ -14,12 +14,13 @@ from typing import Annotated, Literal
 import tyro
 
 from flybench.direction import Direction
-from scenarios.errors import ScenarioError
+from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
@@ -65,21 +66,25 @@ class VelocitySweep:
     def execute(self) -> int:
         """Measure all velocities, print the table, and write the folder if `--out` is given."""
         configs, cache = list(self._configs()), self.cache.open()
+        rows: list[Row] = []
+        failed: list[str] = []
         make_detector(configs[0])
         if self.out is not None:
             check_output_folder(self.out)
         with progress_bar() as progress:
-            rows = [
-                row
-                for config in configs
-                for row in measure_velocity(config, self.seeds, progress, cache=cache)
-            ]
+            for config in configs:
+                try:
+                    rows += measure_velocity(config, self.seeds, progress, cache=cache)
+                except MethodError as error:
+                    failed.append(f"{error} (sequence {config.name})")
+        if not rows:
+            raise MethodError(failed[0])
         print_rows(rows)
         if self.out is not None:
             with atomic_folder(self.out) as work:
-                self._write(work, rows)
-            print(f"wrote {self.out}")
-        return 0
+                self._write(work, rows, failed)
+            say(f"wrote {self.out}")
+        return report_failures(failed)
 
     def _configs(self) -> Iterator[RunConfig]:
         if not 1 <= self.seeds <= MAX_SEEDS:
@@ -99,7 +104,7 @@ class VelocitySweep:
                 )
                 yield RunConfig(crossing, method=self.method, seed=self.seed)
 
-    def _write(self, work: Path, rows: list[Row]) -> None:
+    def _write(self, work: Path, rows: list[Row], failed: list[str]) -> None:
         write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))
         draw_grms(work / "grms", rows, method=self.method)
         arguments = asdict(self) | {"out": str(self.out)}
@@ -111,6 +116,7 @@ class VelocitySweep:
                 "parameters": arguments,
                 "versions": versions(),
                 "spearman": spearman_by_seed(rows),
+                "failed": failed,
             },
         )
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import astuple
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from formats import EventFile
 from scenarios.convert.copying import Totals
 from scenarios.detect.estimate_output import file_rows
+from scenarios.output.streams import SafeConsole, complain
 
 _KINDS = ("events", "frames", "IMU samples", "triggers")
 """Names of the fields of `Counts`."""
@@ -20,25 +18,25 @@ _KINDS = ("events", "frames", "IMU samples", "triggers")
 
 def print_conversion(file: EventFile, out: Path, totals: Totals) -> None:
     """Print what was read and what was written; on standard error, what was lost and why."""
-    console = Console()
-    source = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
+    console = SafeConsole()
+    source = Table(title=str(file.path), title_justify="left", show_header=False)
     for name, value in file_rows(file):
         source.add_row(name, value)
     for name, value in file.header_fields.items():
-        source.add_row(escape(f"header: {name}"), escape(value))
+        source.add_row(f"header: {name}", value)
     console.print(source)
     console.print(_counts_table(out, totals))
     lost = zip(_KINDS, astuple(totals.unsupported), strict=True)
     listed = " and ".join(f"{count:,} {kind}" for kind, count in lost if count)
     if listed:
         reason = "The new format has no place for them, or they come before the first event."
-        _note("note", f"{listed} were not written. {reason}")
+        complain(f"note: {listed} were not written. {reason}")
     if totals.damage:
-        _note("warning", totals.damage)
+        complain(f"warning: {totals.damage}")
 
 
 def _counts_table(out: Path, totals: Totals) -> Table:
-    table = Table(title=escape(str(out)), title_justify="left")
+    table = Table(title=str(out), title_justify="left")
     columns = {
         "read": totals.read,
         "outside the time": totals.outside_time,
@@ -54,7 +52,3 @@ def _counts_table(out: Path, totals: Totals) -> Table:
         if counts["read"][row] or kind == "events":
             table.add_row(kind, *(f"{counts[name][row]:,}" for name in shown))
     return table
-
-
-def _note(kind: str, text: str) -> None:
-    print(f"flybench: {kind}: {text}", file=sys.stderr)

@@ -45,7 +45,7 @@ def test_coordinates_from_1_are_converted_and_the_header_says_so(tmp_path: Path,
     assert (file.width, file.height, file.size_source) == (346, 260, "the events")
     assert file.header_fields["events in"] == "TD"
     assert file.header_fields["coordinates"] == "from 1, converted to from 0"
-    assert file.header_fields["time unit"] == "µs"
+    assert file.header_fields["time unit"] == "µs, because the times are whole numbers"
     assert file.header_fields["version"] == {"5.mat": "5", "73.mat": "7.3"}[name]
 
 
@@ -124,7 +124,7 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path) -> None:
     with h5py.File(save_73(tmp_path / "a.mat", other=np.ones(3)), "r+") as file:
         for name in TD:
             file[f"TD/{name}"] = h5py.ExternalLink("secret.mat", f"/TD/{name}")
-    with pytest.raises(FormatError, match="no events that could be found"):
+    with pytest.raises(FormatError, match=r"/TD/\w+ is a link to another file"):
         read_events(tmp_path / "a.mat")
 
 
