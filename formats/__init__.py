@@ -4,8 +4,9 @@
 `write_events` choose the format by the file's ending; the file appears only once it is complete.
 """
 
+from formats.chunk import Chunk, EventStatistics
 from formats.errors import FormatError, MissingLibraryError
-from formats.event_file import Chunk, EventFile, EventStatistics, open_events, read_events
+from formats.event_file import EventFile, open_events, read_events
 from formats.event_order import SORT_MAX_US
 from formats.identify import FORMATS, identify_format
 from formats.samples import IMU_DTYPE, TRIGGER_DTYPE, TriggerKind

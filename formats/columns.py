@@ -114,6 +114,9 @@ class ParsedFrame:
 
 
 ParsedItem: TypeAlias = EventColumns | ParsedFrame | ParsedSamples
+ParsedArray: TypeAlias = Array | ParsedFrame | ParsedSamples
+"""Checked content of a file; an array holds events of `PARSED_DTYPE`."""
+
 ParsedFile: TypeAlias = tuple[FileHeader, Iterator[ParsedItem]]
 
 

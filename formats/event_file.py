@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
 from flybench.memory import check_memory
 from flybench.printable import printable
+from formats.chunk import Chunk, EventStatistics
 from formats.column_order import check_order
 from formats.columns import MAX_SIDE_PX, ReadOptions
 from formats.errors import FormatError
@@ -22,101 +20,10 @@ from formats.event_order import SORT_MAX_US
 from formats.held_back import HeldBack
 from formats.identify import FORMATS, TABLES, check_readable, identify_format
 from formats.isolated_reader import IsolatedReader
-from formats.samples import empty_imu, empty_triggers
 from formats.time_unit import unit_us
 
 _LIST_BYTES = 2 * EVENT_DTYPE.itemsize
 """Memory per event while a list of chunks becomes one array [bytes]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Chunk:
-    """A section of a recording.
-
-    Attributes:
-        events: events sorted by time, none older than those of the previous chunk; may be empty.
-        frames: APS frames whose exposure ends no later than the last event.
-        imu: samples of the inertial measurement unit, of `IMU_DTYPE`, in the order of the file.
-            Those before the first event have negative times if `EventFile.origin_us` is not 0.
-        triggers: triggers, of `TRIGGER_DTYPE`, as `imu`.
-    """
-
-    events: Events
-    frames: tuple[ApsFrame, ...] = ()
-    imu: npt.NDArray[Any] = field(default_factory=empty_imu)
-    triggers: npt.NDArray[Any] = field(default_factory=empty_triggers)
-
-
-@dataclass(frozen=True)
-class EventStatistics:
-    """Statistics of the part of a recording that has been read.
-
-    Attributes:
-        events: number of events.
-        on: number of ON events.
-        frames: number of APS frames.
-        imu: number of IMU samples.
-        triggers: number of triggers.
-        first_us: time of the first event [µs].
-        last_us: time of the last event [µs].
-        x_min: leftmost column with an event [px].
-        x_max: rightmost column with an event [px].
-        y_min: topmost row with an event [px].
-        y_max: bottommost row with an event [px].
-    """
-
-    events: int = 0
-    on: int = 0
-    frames: int = 0
-    imu: int = 0
-    triggers: int = 0
-    first_us: int = 0
-    last_us: int = 0
-    x_min: int = 0
-    x_max: int = 0
-    y_min: int = 0
-    y_max: int = 0
-
-    @property
-    def span_us(self) -> int:
-        """Time from the first event to the last [µs]."""
-        return self.last_us - self.first_us
-
-    @property
-    def rate_hz(self) -> float:
-        """Mean event rate [events/s]; 0 if all events have the same time."""
-        return self.events / self.span_us * 1e6 if self.span_us else 0.0
-
-    @property
-    def on_share(self) -> float:
-        """Share of ON events, 0 to 1; 0 if there are no events."""
-        return self.on / self.events if self.events else 0.0
-
-    def with_chunk(self, chunk: Chunk) -> EventStatistics:
-        """Return the statistics with `chunk` included."""
-        events, frames = chunk.events, self.frames + len(chunk.frames)
-        imu, triggers = self.imu + chunk.imu.size, self.triggers + chunk.triggers.size
-        if not events.size:
-            return replace(self, frames=frames, imu=imu, triggers=triggers)
-        x, y = events["x"], events["y"]
-        low = (int(x.min()), int(y.min()))
-        high = (int(x.max()), int(y.max()))
-        if self.events:
-            low = (min(low[0], self.x_min), min(low[1], self.y_min))
-            high = (max(high[0], self.x_max), max(high[1], self.y_max))
-        return EventStatistics(
-            events=self.events + events.size,
-            on=self.on + int(np.count_nonzero(events["p"])),
-            frames=frames,
-            imu=imu,
-            triggers=triggers,
-            first_us=self.first_us if self.events else int(events["t"][0]),
-            last_us=int(events["t"][-1]),
-            x_min=low[0],
-            x_max=high[0],
-            y_min=low[1],
-            y_max=high[1],
-        )
 
 
 class EventFile:
@@ -133,10 +40,10 @@ class EventFile:
         origin_us: time that was subtracted from all timestamps [µs]: the first timestamp if it is
             negative or a wall-clock time (10¹⁴ µs and more), else 0.
         warnings: what is uncertain about the file, each with the option that settles it.
-        sorted_events: number of late events that were put in order, once all chunks are read; None
-            if that was not asked for.
-        dropped_events: number of events out of order that were dropped, once all chunks are read;
-            None if that was not asked for.
+        sorted_events: number of late events that were put in order, once all chunks are read, or
+            those before an error; None if that was not asked for.
+        dropped_events: number of events out of order that were dropped, at the same time; None if
+            that was not asked for.
     """
 
     def __init__(self, path: Path, name: str, options: ReadOptions) -> None:
@@ -152,6 +59,7 @@ class EventFile:
         """
         self.path = path
         self.format = name
+        self._length = _length(path)
         self._statistics = EventStatistics()
         self._ended = False
         self._reader = IsolatedReader(path, name, options)
@@ -194,7 +102,7 @@ class EventFile:
         now = self._reader.bytes_read()
         if now is None or self._read_before is None:
             return None
-        return min((now - self._read_before) / max(_length(self.path), 1), 1.0)
+        return min((now - self._read_before) / max(self._length, 1), 1.0)
 
     def __iter__(self) -> Iterator[Chunk]:
         """Yield the chunks, in constant memory.
@@ -206,20 +114,29 @@ class EventFile:
         if self._ended:
             raise FormatError(f"{self.path} has been read to its end. Open it again.")
         held = HeldBack()
+        try:
+            yield from self._chunks(held)
+        except FormatError:
+            yield from self._rest(held)
+            raise
+        self._ended = True
+        yield from self._rest(held)
+
+    def _chunks(self, held: HeldBack) -> Iterator[Chunk]:
         for kind, content in self._messages:
             if kind == b"C":
                 counts = json.loads(content.decode())
                 self.sorted_events = counts["sorted_events"]
                 self.dropped_events = counts["dropped_events"]
-                continue
-            if kind != b"E":
+            elif kind == b"E":
+                events = np.frombuffer(content, EVENT_DTYPE)
+                yield self._counted(Chunk(events, *held.release(int(events["t"][-1]))))
+            else:
                 held.add(kind, content)
                 if held.is_full:
                     yield self._counted(Chunk(empty_events(), *held.release_some()))
-                continue
-            events = np.frombuffer(content, EVENT_DTYPE)
-            yield self._counted(Chunk(events, *held.release(int(events["t"][-1]))))
-        self._ended = True
+
+    def _rest(self, held: HeldBack) -> Iterator[Chunk]:
         rest = Chunk(empty_events(), *held.release())
         if rest.frames or rest.imu.size or rest.triggers.size:
             yield self._counted(rest)
@@ -232,7 +149,7 @@ class EventFile:
 def _length(path: Path) -> int:
     """Return the length of a file, or of all files of a folder [bytes]."""
     files = path.iterdir() if path.is_dir() else (path,)
-    return sum(file.stat().st_size for file in files)
+    return sum(file.stat().st_size for file in files if file.is_file())
 
 
 def open_events(

@@ -8,7 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from formats.columns import PARSED_DTYPE, Array, ReadOptions, joined
+from formats.columns import (
+    PARSED_DTYPE,
+    Array,
+    EventColumns,
+    ParsedArray,
+    ParsedItem,
+    ReadOptions,
+    Size,
+    joined,
+    to_events,
+    valid_length,
+)
 from formats.errors import FormatError
 
 SORT_MAX_US = 10_000_000
@@ -132,3 +143,34 @@ class TimeOrder:
             "Times must not decrease. Sort events that are late by up to so many ms with --sort, "
             f"such as --sort {math.ceil(late_ms)}, or drop them with --drop-unsorted."
         )
+
+
+def valid_in_order(
+    path: Path,
+    items: Iterator[ParsedItem],
+    size: Size,
+    order: TimeOrder,
+    *,
+    size_is_option: bool,
+) -> Iterator[ParsedArray]:
+    """Yield frames, samples, and valid events in order; before an error, all events before it."""
+    done = 0
+    try:
+        for item in items:
+            if not isinstance(item, EventColumns):
+                yield item
+                continue
+            valid, error = valid_length(
+                item, size, path=path, done=done, size_is_option=size_is_option
+            )
+            done += valid
+            if valid:
+                yield from order.push(to_events(item.first(valid)))
+            if error is not None:
+                raise error
+    except GeneratorExit:
+        raise
+    except BaseException:
+        yield from order.finish()
+        raise
+    yield from order.finish()

@@ -7,7 +7,7 @@ A message is a kind (1 byte), a length (8 bytes, little-endian) and that many by
 - `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes per pixel.
 - `I`: IMU samples of `formats.samples.IMU_DTYPE`.
 - `T`: triggers of `formats.samples.TRIGGER_DTYPE`.
-- `C`: what was counted while reading, as a JSON object; at the end of the file.
+- `C`: what was counted while reading, as a JSON object; at the end, or before an error.
 - `W`: still working; no content.
 - `X`: an error message; no further messages follow.
 - `Z`: end of the file.
@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -34,24 +34,19 @@ from formats.columns import (
     Array,
     EventColumns,
     FileHeader,
+    ParsedArray,
     ParsedFrame,
     ParsedItem,
     ReadOptions,
-    Size,
     joined,
-    to_events,
-    valid_length,
 )
 from formats.errors import FormatError
-from formats.event_order import TimeOrder
+from formats.event_order import TimeOrder, valid_in_order
 from formats.identify import FORMATS
 from formats.readers import reader_of
 from formats.samples import IMU_DTYPE, ParsedSamples
 from formats.sensor_size import infer_size
 from formats.time_unit import TimeUnit, choose_unit, to_microseconds, unit_us
-
-ParsedArray: TypeAlias = Array | ParsedFrame | ParsedSamples
-"""Checked content of a file; an array holds events of `PARSED_DTYPE`."""
 
 MESSAGE = struct.Struct("<cQ")
 FRAME = struct.Struct("<4q")
@@ -138,7 +133,7 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
             "each way. Give the true size with --size."
         )
     order = TimeOrder(path, options)
-    checked = _checked(path, items, size, order, size_is_option=options.size is not None)
+    checked = valid_in_order(path, items, size, order, size_is_option=options.size is not None)
     shifted, origin_us = _with_origin(checked)
     facts = {
         "size": size,
@@ -150,22 +145,28 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
         "warnings": [unit.warning] if unit.warning else [],
     }
     _send(out, b"H", json.dumps(facts).encode())
-    for item in _batched(shifted):
-        if isinstance(item, ParsedFrame):
-            height, width = item.image.shape
-            numbers = FRAME.pack(item.start_us, item.end_us, width, height)
-            _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
-        elif isinstance(item, ParsedSamples):
-            kind = b"I" if item.samples.dtype == IMU_DTYPE else b"T"
-            _send(out, kind, np.ascontiguousarray(item.samples).view(np.uint8).data)
-        elif item.size:
-            _send(out, b"E", item.view(np.uint8).data)
-    counts = {
-        "sorted_events": order.sorted if options.sort_within_us else None,
-        "dropped_events": order.dropped if options.drop_unsorted else None,
-    }
-    _send(out, b"C", json.dumps(counts).encode())
+    try:
+        for item in _batched(shifted):
+            _send_item(out, item)
+    finally:  # also before an error
+        counts = {
+            "sorted_events": order.sorted if options.sort_within_us else None,
+            "dropped_events": order.dropped if options.drop_unsorted else None,
+        }
+        _send(out, b"C", json.dumps(counts).encode())
     _send(out, b"Z")
+
+
+def _send_item(out: BinaryIO, item: ParsedArray) -> None:
+    if isinstance(item, ParsedFrame):
+        height, width = item.image.shape
+        numbers = FRAME.pack(item.start_us, item.end_us, width, height)
+        _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
+    elif isinstance(item, ParsedSamples):
+        kind = b"I" if item.samples.dtype == IMU_DTYPE else b"T"
+        _send(out, kind, np.ascontiguousarray(item.samples).view(np.uint8).data)
+    elif item.size:
+        _send(out, b"E", item.view(np.uint8).data)
 
 
 def _open(
@@ -221,37 +222,6 @@ def _with_origin(
         first_us = int(first["t"][0])
     origin_us = first_us if first_us < 0 or first_us >= WALL_CLOCK_MIN_US else 0
     return _shifted(head, checked, origin_us), origin_us
-
-
-def _checked(
-    path: Path,
-    items: Iterator[ParsedItem],
-    size: Size,
-    order: TimeOrder,
-    *,
-    size_is_option: bool,
-) -> Iterator[ParsedArray]:
-    """Yield frames, samples, and valid events in order; before an error, all events before it."""
-    done = 0
-    try:
-        for item in items:
-            if isinstance(item, ParsedFrame | ParsedSamples):
-                yield item
-                continue
-            valid, error = valid_length(
-                item, size, path=path, done=done, size_is_option=size_is_option
-            )
-            done += valid
-            if valid:
-                yield from order.push(to_events(item.first(valid)))
-            if error is not None:
-                raise error
-    except GeneratorExit:
-        raise
-    except BaseException:
-        yield from order.finish()
-        raise
-    yield from order.finish()
 
 
 def _shifted(

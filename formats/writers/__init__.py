@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from flybench.events import Events
+from formats.chunk import Chunk
 from formats.errors import FormatError
-from formats.event_file import Chunk
 from formats.writers.aedat4 import Aedat4Writer
 from formats.writers.base import EventWriter
 from formats.writers.dsec import DsecWriter

@@ -11,6 +11,8 @@ import pytest
 import scipy.io
 
 from formats import FormatError, open_events, read_events
+from formats.columns import ReadOptions
+from formats.readers import matlab
 from tests.formats.sample_files import make_file, matlab_structure, random_events
 
 E = random_events(2000)
@@ -126,6 +128,18 @@ def test_links_to_other_files_are_not_followed(tmp_path: Path) -> None:
             file[f"TD/{name}"] = h5py.ExternalLink("secret.mat", f"/TD/{name}")
     with pytest.raises(FormatError, match=r"/TD/\w+ is a link to another file"):
         read_events(tmp_path / "a.mat")
+
+
+def test_version_5_that_does_not_fit_into_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(*_: object, **__: object) -> None:
+        raise MemoryError("Unable to allocate 2.00 GiB")
+
+    path = save_5(tmp_path / "a.mat", TD=TD)
+    monkeypatch.setattr(scipy.io, "loadmat", load)
+    with pytest.raises(FormatError, match=r"a.mat does not fit into .* Save it with -v7.3"):
+        matlab.read(path, ReadOptions())
 
 
 def test_a_zip_of_text_is_to_be_unpacked_first(tmp_path: Path) -> None:

@@ -254,6 +254,20 @@ def test_a_bag_truncated_before_its_first_message(tmp_path: Path, name: str) -> 
         open_events(path)
 
 
+def test_an_image_that_waits_for_events_is_given_before_an_error(tmp_path: Path) -> None:
+    after_ns = (int(E["t"][-1]) + 50) * 1000
+    image = image_message(2, np.zeros(SIZE[::-1], np.uint8), "mono8", after_ns)
+    recorded = [
+        Recorded("/cam/events", PACKET_KIND, 0, packet_message(2, "libcaer", libcaer(E))),
+        Recorded("/cam/image", "sensor_msgs/msg/Image", after_ns, image),
+        Recorded("/cam/events", PACKET_KIND, after_ns, packet_message(2, "unknown", libcaer(E))),
+    ]
+    with open_events(write_bag(tmp_path / "a.mcap", recorded)) as file:
+        with pytest.raises(FormatError, match="message 1 of /cam/events cannot be decoded"):
+            list(file)
+        assert (file.statistics.events, file.statistics.frames) == (E.size, 1)
+
+
 def test_a_ros1_bag_that_was_never_closed(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "a.bag", events_recorded(tmp_path / "a.bag", E))
     data = path.read_bytes()
@@ -296,7 +310,7 @@ def test_refusals_of_bags(tmp_path: Path) -> None:
         read_events(tmp_path / "bag")
     listing = "rosbag2_bagfile_information: {relative_file_paths: [../b.db3.zstd]}"
     (tmp_path / "bag" / "metadata.yaml").write_text(listing)
-    with pytest.raises(FormatError, match=r"bag/b.db3.zstd does not exist"):
+    with pytest.raises(FormatError, match=r"bag/b.db3.zstd is missing or not a file"):
         read_events(tmp_path / "bag")
     (tmp_path / "bag" / "b.db3.zstd").write_bytes(b"\x28\xb5\x2f\xfd")
     with pytest.raises(FormatError, match=r"Unpack it with unzstd first"):

@@ -52,6 +52,18 @@ def test_imu_samples_and_triggers_of_aedat4(tmp_path: Path) -> None:
     assert triggers["kind"].tolist() == kinds
 
 
+def test_a_stated_unit_of_time_holds_for_samples_too(tmp_path: Path) -> None:
+    write_with_dv(tmp_path / "a.aedat4")
+    with open_events(tmp_path / "a.aedat4", time_unit="ns") as file:
+        chunks = list(file)
+    start_us = START_US // 1000
+    assert chunks[0].events["t"][0] == start_us
+    imu = np.concatenate([chunk.imu for chunk in chunks])
+    assert imu["t"].tolist() == list(range(start_us - 3, start_us + 37))
+    triggers = np.concatenate([chunk.triggers for chunk in chunks])
+    assert triggers["t"].tolist() == [start_us, start_us + 9]
+
+
 def test_samples_without_events_after_them_are_not_held_back_for_ever() -> None:
     held, sample = HeldBack(), np.zeros(1 << 15, IMU_DTYPE)
     released = 0

@@ -59,6 +59,8 @@ def damaged(path: Path, where: str, error: Exception) -> FormatError:
         error: what the decoder raised.
     """
     why = str(error).splitlines()[0] if str(error) else type(error).__name__
+    if isinstance(error, MemoryError):
+        why = "a record needs more than the 1 GB of memory that a parser may use"
     return FormatError(
         f"{path} is truncated or damaged {where} ({why}). The messages before that were read. Copy "
         "it again from where it was recorded."

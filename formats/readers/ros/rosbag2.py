@@ -75,7 +75,9 @@ def open_storage(path: Path) -> Bag:
         FormatError: it is missing, compressed as a whole or of another format.
     """
     if not path.is_file():
-        raise FormatError(f"{path} does not exist, but {METADATA} lists it. Copy the bag again.")
+        raise FormatError(
+            f"{path} is missing or not a file, but {METADATA} lists it. Copy the bag again."
+        )
     with path.open("rb") as file:
         head = file.read(16)
     if head == _SQLITE:

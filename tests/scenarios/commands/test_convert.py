@@ -99,6 +99,38 @@ def test_the_end_of_a_section_is_not_read_beyond(
     assert "flybench: warning" in capsys.readouterr().err
 
 
+def test_late_events_are_sorted_or_dropped_and_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    late = E.copy()
+    late["t"][1500] -= 2000
+    source, out = tmp_path / "a.npy", tmp_path / "out.npz"
+    np.save(source, late)
+    with pytest.raises(FlybenchError, match=r"--sort 2, or drop them with --drop-unsorted"):
+        Convert(source, out, input=RecordingOptions("346x260")).execute()
+    assert not out.exists()
+    assert Convert(source, out, input=RecordingOptions("346x260", sort=3.0)).execute() == 0
+    assert np.array_equal(read_events(out), late[np.argsort(late["t"], kind="stable")])
+    assert "1 late events" in capsys.readouterr().out
+    options = RecordingOptions("346x260", drop_unsorted=True)
+    assert Convert(source, out, input=options).execute() == 0
+    assert np.array_equal(read_events(out), np.delete(late, 1500))
+    assert "1 events out of order" in capsys.readouterr().out
+
+
+def test_late_events_before_damage_are_counted_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, out = make_file(tmp_path, "a.csv", E), tmp_path / "out.npz"
+    lines = source.read_text().splitlines(keepends=True)
+    lines[10:12] = lines[11:9:-1]
+    source.write_text("".join(lines)[:-2])
+    options = RecordingOptions(sort=3.0)
+    assert Convert(source, out, salvage=True, input=options).execute() == 0
+    assert np.array_equal(read_events(out), E[:-1])
+    assert "1 late events" in capsys.readouterr().out
+
+
 def test_what_the_format_cannot_contain_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,7 +9,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from formats import FORMATS
 from scenarios.commands.validate import Validate
 from scenarios.output.terminal import execute
 from scenarios.validate.manifest import PACKAGED, read_manifest
@@ -131,15 +130,8 @@ def test_invalid_arguments_give_a_one_line_error(
     assert list(tmp_path.iterdir()) == []
 
 
-READABLE = [
-    recording.name
-    for recording in read_manifest(PACKAGED).recordings
-    if "matlab" in FORMATS or not recording.file.endswith(".mat")
-]
-
-
 @pytest.mark.skipif(REAL is None, reason="FLYBENCH_RECORDINGS names no folder")
-@pytest.mark.parametrize("name", READABLE)
+@pytest.mark.parametrize("name", [r.name for r in read_manifest(PACKAGED).recordings])
 def test_real_recordings_can_be_read_and_scored(name: str, tmp_path: Path) -> None:
     out = tmp_path / "out"
     chosen: Any = {"method": ("fly", "contrast-maximisation"), "recording": (name,)}
