@@ -1,4 +1,8 @@
-"""What Prophesee's formats have in common, and RAW EVT 3.0, decoded by faery."""
+"""What Prophesee's formats have in common, and RAW EVT 3.0.
+
+flybench has its own decoder of EVT 3.0 because faery 0.7.1 gives a late event the time of the one
+before it, without an error.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from formats.columns import Array, EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
-from formats.errors import FormatError, MissingLibraryError
+from formats.columns import Array, FileHeader, ParsedFile, ParsedItem, ReadOptions
+from formats.errors import FormatError
 from formats.identify import percent_header, prophesee_format
 from formats.prophesee_sensors import possible_sizes, stated_size
+from formats.readers.ros.evt3 import Evt3Decoder
+from formats.samples import ParsedSamples
 
 _HEADER_MAX = 1 << 20
 _BLOCK = 1 << 17
-_EVT3_BYTES = 2
-_LARGEST = (1 << 11, 1 << 11)
-"""Size that the bits of a coordinate of EVT 3.0 allow [px]."""
+_BACK_MAX = 1 << 11
+"""Largest step back of the high part of the time that is no overflow: half its period."""
 
 _SHOWN = (
     "date", "sensor_name", "integrator_name", "plugin_name", "system_id", "serial_number", "format",
@@ -26,21 +31,14 @@ _SHOWN = (
 
 
 def read_evt3(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read EVT 3.0: 2-byte words.
+    """Read events and triggers of EVT 3.0: 2-byte words.
 
     Raises:
         FormatError: the header states another format.
-        MissingLibraryError: faery is not installed.
     """
     del options
     facts, start = check_version(path, "evt3")
-    try:
-        import faery
-    except ImportError as error:
-        raise MissingLibraryError("faery", "a Prophesee RAW file, EVT 3.0") from error
-    decoder = faery.file_decoder.evt.Decoder(path, _LARGEST, "evt3")
-    packets = (packet["events"] for packet in decoder if "events" in packet)
-    return file_header(facts, shown_facts(facts)), _evt3_items(path, packets, start)
+    return file_header(facts, shown_facts(facts)), _evt3_items(path, start)
 
 
 def check_version(path: Path, version: str) -> tuple[dict[str, str], int]:
@@ -97,18 +95,13 @@ def read_words(path: Path, start: int, word: np.dtype[Any]) -> Iterator[Array]:
     _check_end(path, start, word.itemsize)
 
 
-def _evt3_items(path: Path, packets: Iterator[Any], start: int) -> Iterator[ParsedItem]:
-    try:
-        for events in packets:
-            yield EventColumns(events["t"].astype(np.int64), events["x"], events["y"], events["on"])
-    except RuntimeError as error:
-        if "overflow" not in str(error):
-            raise
-        raise FormatError(
-            f"{path} states a size of its sensor that is too small: {error}. Allowed are events "
-            "on the sensor. Correct the width and height in its header."
-        ) from error
-    _check_end(path, start, _EVT3_BYTES)
+def _evt3_items(path: Path, start: int) -> Iterator[ParsedItem]:
+    decoder = Evt3Decoder(back_max=_BACK_MAX)
+    for words in read_words(path, start, np.dtype("<u2")):
+        events, triggers = decoder.decode(words.tobytes())
+        yield events
+        if triggers.size:
+            yield ParsedSamples(triggers)
 
 
 def _check_end(path: Path, start: int, word: int) -> None:

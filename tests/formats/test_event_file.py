@@ -292,7 +292,7 @@ def test_wrong_options_are_refused(tmp_path: Path) -> None:
 def test_a_missing_library_is_named_with_the_install_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = make_file(tmp_path, "evt3.raw", E)
+    path = make_file(tmp_path, "a.es", E)
     (tmp_path / "without").mkdir()
     (tmp_path / "without" / "faery.py").write_text("raise ImportError('not here')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "without"))

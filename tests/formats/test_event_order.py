@@ -11,6 +11,7 @@ from flybench.events import Events
 from formats import FormatError, event_order, open_events, read_events
 from formats.columns import PARSED_DTYPE, ReadOptions
 from formats.event_order import TimeOrder
+from tests.formats.evt3_words import evt3_words
 from tests.formats.sample_files import SIZE, make_file, random_events
 
 PATH = Path("a.npy")
@@ -102,7 +103,7 @@ def test_more_events_than_fit_into_memory_are_refused(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize(
-    "name", ["evt2.raw", "evt21.raw", "a.dat", "davis.aedat", "a.csv", "a.npy"]
+    "name", ["evt2.raw", "evt21.raw", "evt3.raw", "a.dat", "davis.aedat", "a.csv", "a.npy"]
 )
 def test_one_late_event_in_a_file(tmp_path: Path, name: str) -> None:
     events = random_events(2000)
@@ -111,6 +112,9 @@ def test_one_late_event_in_a_file(tmp_path: Path, name: str) -> None:
     if name == "a.csv":  # flybench refuses to write such events
         path = tmp_path / name
         np.savetxt(path, np.stack([late[n] for n in "txyp"], 1), fmt="%d", delimiter=",")
+    elif name == "evt3.raw":  # nor these
+        path = tmp_path / name
+        path.write_bytes(b"% evt 3.0\n% end\n" + evt3_words(late).tobytes())
     else:
         path = make_file(tmp_path, name, late)
     got: list[Events] = []
@@ -125,6 +129,22 @@ def test_one_late_event_in_a_file(tmp_path: Path, name: str) -> None:
         got = [chunk.events for chunk in file]
         assert (file.sorted_events, file.dropped_events) == (None, 1)
     assert np.array_equal(np.concatenate(got), np.delete(events, 1000))
+
+
+@pytest.mark.parametrize(("late_us", "is_late"), [(1_000_000, True), (10_000_000, False)])
+def test_evt3_steps_back_by_half_its_clock_are_overflows(
+    tmp_path: Path, late_us: int, is_late: bool
+) -> None:
+    events, path = random_events(200), tmp_path / "a.raw"
+    events["t"] += 12_000_000
+    events["t"][100:] -= late_us
+    path.write_bytes(b"% evt 3.0\n% end\n" + evt3_words(events).tobytes())
+    if is_late:
+        with pytest.raises(FormatError, match=r"event 100 has the time 110\d+ µs, after"):
+            read_events(path, size=SIZE)
+    else:
+        events["t"][100:] += 1 << 24
+        assert np.array_equal(read_events(path, size=SIZE), events)
 
 
 @pytest.mark.parametrize("window_us", [-1, 10_000_001])

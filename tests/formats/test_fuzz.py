@@ -14,10 +14,10 @@ from formats.identify import FORMATS, identify_format
 from formats.parser_process import MESSAGE, parse
 from tests.formats.sample_files import FILE_MAKERS, SIZE, make_file, random_events
 
-DECODED_BY_LIBRARIES = ("a.aedat4", "a.h5", "evt3.raw", "a.es", "5.mat", "73.mat")
+DECODED_BY_LIBRARIES = ("a.aedat4", "a.h5", "a.es", "5.mat", "73.mat")
 """Files that native libraries decode, which may crash their process."""
 
-LIBRARY_FORMATS = ("aedat4", "hdf5", "evt3", "es", "matlab", "mcap", "rosbag1", "rosbag2")
+LIBRARY_FORMATS = ("aedat4", "hdf5", "es", "matlab", "mcap", "rosbag1", "rosbag2")
 """Formats of such files, and those that a damaged file of another format may look like."""
 
 TABLES = ("table.npy", "table.npz", "words.txt", "savetxt.txt")

@@ -12,6 +12,7 @@ from flybench.events import EVENT_DTYPE, Events, concatenate_events
 from formats import FormatError, TriggerKind, open_events, open_writer, read_events
 from formats.readers.ros.evt3 import Evt3Decoder
 from formats.writers import write_events
+from tests.formats.evt3_words import evt3_words
 from tests.formats.ros_files import (
     PACKET_KIND,
     Recorded,
@@ -73,19 +74,6 @@ def compressed(events: Events) -> np.ndarray:
     return np.array(words, "<u2")
 
 
-def evt3(events: Events) -> np.ndarray:
-    """Encode events in all three ways: alone, and in vectors of 12 and 8 pixels."""
-    words: list[int] = []
-    for k, (t, x, y, p) in enumerate(events.tolist()):
-        words += [8 << 12 | (t >> 12) & 0xFFF, 6 << 12 | t & 0xFFF, y]
-        if k % 3 == 0 or x < 20:
-            words.append(2 << 12 | p << 11 | x)
-        else:  # an empty vector moves x on by its length
-            words += [3 << 12 | p << 11 | (x - 20), 4 << 12, 5 << 12]
-            words += [5 << 12 | 1] if k % 3 == 1 else [4 << 12 | 1]
-    return np.array(words, "<u2")
-
-
 @BAGS
 def test_mono_packets_have_the_time_of_the_messages(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
@@ -131,7 +119,7 @@ def test_a_packet_of_libcaer_whose_clock_overflows(tmp_path: Path) -> None:
 def test_evt3_in_pieces_of_any_length(packet_bytes: int) -> None:
     events = random_events(1500, last_us=60_000_000)  # the clock of 24 bits overflows three times
     events["t"] += 3
-    data, decoder = evt3(events).tobytes(), Evt3Decoder()
+    data, decoder = evt3_words(events).tobytes(), Evt3Decoder()
     parts = [
         decoder.decode(data[at : at + packet_bytes])[0] for at in range(0, len(data), packet_bytes)
     ]
@@ -164,7 +152,7 @@ def test_evt3_times() -> None:
 
 def test_evt3_packets_and_triggers_of_a_bag(tmp_path: Path) -> None:
     first_us, stamp_ns = int(E["t"][0]), WALL_US * 1000
-    data = np.append(evt3(E), [0xA301]).astype("<u2")
+    data = np.append(evt3_words(E), [0xA301]).astype("<u2")
     packets = [packet_message(2, "evt3", p, stamp_ns=stamp_ns) for p in np.array_split(data, 7)]
     recorded = [Recorded("/e", PACKET_KIND, k, p) for k, p in enumerate(packets)]
     trigger = np.array([1 << 63 | 2000], np.uint64)

@@ -64,6 +64,17 @@ def test_a_stated_unit_of_time_holds_for_samples_too(tmp_path: Path) -> None:
     assert triggers["t"].tolist() == [start_us, start_us + 9]
 
 
+def test_triggers_of_prophesee_raw(tmp_path: Path) -> None:
+    words = np.array([0x8000, 0x6005, 0x0003, 0x2007, 0xA101, 0x6009, 0xA100, 0x2808], "<u2")
+    header = b"% evt 3.0\n% format EVT3;height=260;width=346\n% end\n"
+    (tmp_path / "a.raw").write_bytes(header + words.tobytes())
+    with open_events(tmp_path / "a.raw") as file:
+        (chunk,) = file
+    assert chunk.events.tolist() == [(5, 7, 3, False), (9, 8, 3, True)]
+    rises, falls = TriggerKind.EXTERNAL_RISING_EDGE, TriggerKind.EXTERNAL_FALLING_EDGE
+    assert chunk.triggers.tolist() == [(5, rises, 1), (9, falls, 1)]
+
+
 def test_samples_without_events_after_them_are_not_held_back_for_ever() -> None:
     held, sample = HeldBack(), np.zeros(1 << 15, IMU_DTYPE)
     released = 0

@@ -1,7 +1,7 @@
 """EVT 3.0 as it arrives in pieces: 16-bit words, whose upper 4 bits are the type of the word.
 
 Source: Prophesee, "EVT 3.0 Format" (docs.prophesee.ai, data encoding formats); the rule that the
-clock overflows only when it falls by more than `_BACK_MAX`: event_camera_codecs
+clock overflows only when it falls by more than `BACK_MAX`: event_camera_codecs
 (github.com/ros-event-camera/event_camera_codecs), which allows for bit errors of the sensor.
 """
 
@@ -18,7 +18,9 @@ from formats.samples import TRIGGER_DTYPE, TriggerKind, empty_triggers
 _ROW, _PIXEL, _BASE, _VECTOR_12, _VECTOR_8 = 0x0, 0x2, 0x3, 0x4, 0x5
 _TIME_LOW, _TIME_HIGH, _TRIGGER = 0x6, 0x8, 0xA
 _STATE = (_TIME_HIGH, _TIME_LOW, _ROW, _BASE)
-_BACK_MAX = 10
+BACK_MAX = 10
+"""Largest step back of the high part of the time that is no overflow, in packets of a bag."""
+
 _VALUE_BITS = 12
 _MASK = (1 << _VALUE_BITS) - 1
 _X_MASK = 0x7FF
@@ -35,7 +37,14 @@ class Evt3Decoder:
     that each piece is decoded as if it were the first.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, back_max: int = BACK_MAX) -> None:
+        """Start a stream.
+
+        Args:
+            back_max: largest step back of the high part of the time that is no overflow, in its
+                units of 4096 µs.
+        """
+        self._back_max = back_max
         self._state: dict[int, int] = {}
         self._loops = 0
 
@@ -73,7 +82,7 @@ class Evt3Decoder:
         is_high = kinds == _TIME_HIGH
         highs = values[is_high]
         steps = np.diff(highs, prepend=highs[:1])
-        loops = self._loops + np.cumsum(steps < -_BACK_MAX)
+        loops = self._loops + np.cumsum(steps < -self._back_max)
         if highs.size:
             self._loops = int(loops[-1])
         high = latest(is_high, loops << _VALUE_BITS | highs)
