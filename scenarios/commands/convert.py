@@ -120,9 +120,11 @@ class Convert:
     def _check_out(self, source: Path) -> None:
         if self.out_format != "rosbag2":
             check_output_file(self.out, "OUT")
-        if self.out.absolute() in (source.absolute(), self.file.absolute()):
+        out = self.out.resolve()
+        if out in (source.resolve(), self.file.resolve()) or source.resolve() in out.parents:
             raise ScenarioError(
-                f"OUT is {self.out}, which is the recording to read. Choose another name."
+                f"OUT is {self.out}, which is the recording to read, or part of it. Choose another "
+                "name."
             )
 
     def _check_result(self, file: EventFile, totals: Totals) -> None:

@@ -163,9 +163,16 @@ def test_refusals(tmp_path: Path, change: dict[str, object], message: str) -> No
 
 def test_the_recording_is_not_overwritten(tmp_path: Path) -> None:
     source = make_file(tmp_path, "a.npz", E)
-    with pytest.raises(FlybenchError, match="which is the recording to read"):
-        Convert(source, source).execute()
+    (tmp_path / "link.npz").symlink_to(source)
+    for path in (source, tmp_path / "link.npz"):
+        with pytest.raises(FlybenchError, match="which is the recording to read"):
+            Convert(path, source).execute()
     assert np.array_equal(read_events(source), E)
+    bag = tmp_path / "bag"
+    assert Convert(source, bag, out_format="rosbag2").execute() == 0
+    with pytest.raises(FlybenchError, match="the recording to read, or part of it"):
+        Convert(bag, bag / "bag.mcap", to_s=0.01).execute()
+    assert np.array_equal(read_events(bag), E)
 
 
 def test_the_share_that_was_read_grows_to_1(tmp_path: Path) -> None:
