@@ -8,6 +8,7 @@ from tyro.conf import subcommand
 
 from flybench.version import __version__
 from scenarios.commands.characterise import Characterise
+from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
 from scenarios.commands.demo import Demo
 from scenarios.commands.detect import Detect
@@ -32,6 +33,7 @@ Commands = (
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Detect, subcommand("detect")]
     | Annotated[Validate, subcommand("validate")]
+    | Annotated[Compare, subcommand("compare")]
     | Annotated[Emulate, subcommand("emulate")]
     | Annotated[Study, subcommand("study")]
     | Annotated[Sweep, subcommand("sweep")]
