@@ -1,4 +1,4 @@
-"""Statistics of the events at each pixel: intervals, alternation, runs, coincidence.
+"""Statistics of the events at each pixel: intervals, alternation, predecessors, edges.
 
 One pass over the events keeps for each pixel the time of its last event of either polarity, and its
 current run. All other state is counters, so memory does not grow with the recording.
@@ -7,9 +7,8 @@ current run. All other state is counters, so memory does not grow with the recor
 - An event **has a predecessor** if its pixel had an event of its polarity in the last 30 ms.
 - A **run** is a series of events of one polarity at a pixel, each at most 30 ms after the one
   before, without an event of the other polarity between them.
-- An **edge** is a run of which at least one event is less than 5 ms away, before or after, from an
-  event of the same polarity at one of the eight neighbours. Edges reach neighbours together; noise
-  does not.
+- An **edge** is a run with an event less than 5 ms before or after an event of the same polarity at
+  one of the eight neighbours. Edges reach neighbours together; noise does not.
 """
 
 from __future__ import annotations
@@ -24,10 +23,11 @@ from flybench.kernels import compiled, inlined
 from scenarios.event_statistics.interval_histogram import BINS, interval_bin
 
 PREDECESSOR_US = 30_000
-"""Longest interval to a predecessor, and inside a run [µs] (assumed: the window of a detector)."""
+"""Longest interval to a predecessor, and inside a run [µs]: the time constant of the paper's time
+surface (Fu et al., Table I)."""
 COINCIDENCE_US = 5_000
-"""Longest time between coincident events of neighbours [µs] (assumed: an edge at 200 px/s takes
-this time from one pixel to the next)."""
+"""Time within which an edge reaches a neighbour [µs] (assumed: it moves at 200 px/s or more, or
+along the neighbour)."""
 MAX_RUN = 255
 """Longest run that has its own entry in the histogram of runs; longer ones are counted as this."""
 
@@ -43,17 +43,13 @@ class PixelHistory:
 
     Attributes:
         counts: (2, rows, columns) number of OFF and of ON events of each pixel.
-        after_neighbour: (2, rows, columns) number of events whose latest event of the same polarity
-            at a neighbour is less than 5 ms old, and 5 to 10 ms old.
         changes: (rows, columns) number of events whose polarity is not that of the one before.
         intervals: (2, BINS) histogram of intervals to an event of the same polarity, and of the
             other one.
-        with_predecessor: number of events that have a predecessor.
     """
 
     def __init__(self, *, width: int, height: int) -> None:
         self.counts = np.zeros((2, height, width), np.int64)
-        self.after_neighbour = np.zeros((2, height, width), np.int64)
         self.changes = np.zeros((height, width), np.int64)
         self.intervals = np.zeros((2, BINS), np.int64)
         self._with_predecessor = np.zeros(1, np.int64)
@@ -62,12 +58,12 @@ class PixelHistory:
         self._last_us = np.full((2, *padded), _NEVER_US, np.int64)
         self._polarity = np.full(padded, NO_POLARITY, np.int8)
         self._run_length = np.zeros(padded, np.int32)
-        self._run_coincides = np.zeros(padded, np.bool_)
+        self._is_edge = np.zeros(padded, np.bool_)
 
     def add(self, events: Events) -> None:
         """Include events, sorted by time and none older than those before."""
-        state = (self._last_us, self._polarity, self._run_length, self._run_coincides)
-        counters = (self.counts, self.after_neighbour, self.changes, self.intervals)
+        state = (self._last_us, self._polarity, self._run_length, self._is_edge)
+        counters = (self.counts, self.changes, self.intervals)
         _add(events, state, counters, self._with_predecessor, self._closed_runs)
 
     @property
@@ -81,14 +77,14 @@ class PixelHistory:
         runs = self._closed_runs.copy()
         is_open = self._run_length > 0
         lengths = np.minimum(self._run_length[is_open], MAX_RUN)
-        np.add.at(runs, (self._run_coincides[is_open].astype(int), lengths), 1)
+        np.add.at(runs, (self._is_edge[is_open].astype(int), lengths), 1)
         return runs
 
 
 @compiled
 def _add(events: Any, state: Any, counters: Any, with_predecessor: Any, runs: Any) -> None:
-    last_us, polarity, run_length, run_coincides = state
-    counts, after_neighbour, changes, intervals = counters
+    last_us, polarity, run_length, is_edge = state
+    counts, changes, intervals = counters
     for n in range(events.size):
         event = events[n]
         t, p, y, x = event.t, int(event.p), event.y + 1, event.x + 1
@@ -102,26 +98,20 @@ def _add(events: Any, state: Any, counters: Any, with_predecessor: Any, runs: An
         with_predecessor[0] += t - last_us[p, y, x] <= PREDECESSOR_US
         if before != p or since_us > PREDECESSOR_US:
             if before != NO_POLARITY:
-                runs[int(run_coincides[y, x]), min(run_length[y, x], MAX_RUN)] += 1
-            run_length[y, x], run_coincides[y, x] = 0, False
+                runs[int(is_edge[y, x]), min(run_length[y, x], MAX_RUN)] += 1
+            run_length[y, x], is_edge[y, x] = 0, False
         run_length[y, x] += 1
         polarity[y, x], last_us[p, y, x] = p, t
-        age = _neighbours_age_us(t, p, y, x, state) // COINCIDENCE_US
-        if age < 2:
-            after_neighbour[age, y - 1, x - 1] += 1
+        _mark_edges(t, p, y, x, state)
 
 
 @inlined
-def _neighbours_age_us(t: int, p: int, y: int, x: int, state: Any) -> int:
-    """Return the age of the neighbours' latest event of a polarity; mark runs that coincide."""
-    last_us, polarity, _, run_coincides = state
-    newest_us = _NEVER_US
+def _mark_edges(t: int, p: int, y: int, x: int, state: Any) -> None:
+    """Mark the runs of an event and of its neighbours as edges if the events are close in time."""
+    last_us, polarity, _, is_edge = state
     for j in range(y - 1, y + 2):
         for i in range(x - 1, x + 2):
-            if j != y or i != x:
-                newest_us = max(newest_us, last_us[p, j, i])
-                if t - last_us[p, j, i] < COINCIDENCE_US and polarity[j, i] == p:
-                    run_coincides[j, i] = True
-    if t - newest_us < COINCIDENCE_US:
-        run_coincides[y, x] = True
-    return t - newest_us
+            if (j != y or i != x) and t - last_us[p, j, i] < COINCIDENCE_US:
+                is_edge[y, x] = True
+                if polarity[j, i] == p:
+                    is_edge[j, i] = True

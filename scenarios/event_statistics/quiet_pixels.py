@@ -1,66 +1,90 @@
-"""Pixels that show only noise: events there do not follow those of neighbours.
+"""Pixels that show only noise: their events are no more simultaneous than by chance.
 
 Frames cannot tell them alone: lamps flicker and reflections move between frames, and a recording
-may have no frames. The events themselves can. In independent noise of rate R per pixel and
-polarity, the age of the latest event at eight neighbours is exponential, so events with an age
-below w are exp(8·w·R) times as many as those with an age from w to 2w. What an edge or a lamp
-triggers nearly always has an age below w.
+may have no frames. The events themselves can. The sensor is divided into blocks of 8×8 pixels, and
+time into bins of 5 ms. Edges, reflections and lamps make pixels of a block fire together. Noise of
+n events per block and polarity in m bins gives n²/(2m) pairs in the same bin, whatever its rate.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from scenarios.event_statistics.pixel_history import COINCIDENCE_US
+from flybench.events import Events
+from flybench.kernels import compiled
 
 BLOCK_PX = 8
-"""Side of the blocks that are judged as a whole [px] (assumed)."""
-MAX_NOISE_HZ = 17.0
-"""Highest noise per pixel and polarity that is told from signal [Hz]: events below w are then twice
-as many (assumed)."""
-_DEVIATIONS = 2.0
-"""Standard deviations above chance up to which a block is quiet (assumed)."""
+"""Side of the blocks [px] (assumed)."""
+BIN_US = 5_000
+"""Duration of the bins [µs] (assumed: half a period of lamps on the mains at 100 Hz)."""
+_EXCESS = 0.25
+"""Share by which pairs may exceed chance, because noise is not quite steady (assumed)."""
+_DEVIATIONS = 3.0
+"""Standard deviations that are allowed besides (assumed)."""
+_ONE_PAIR = 1.0
+"""A single pair proves nothing."""
 
+B1 = npt.NDArray[np.bool_]
 F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
 
 
-def chance_share(rate_hz: F64) -> F64:
-    """Return the share of ages below w among those below 2w, in independent noise.
+class SimultaneousPairs:
+    """Number of simultaneous pairs in each block and polarity, updated block by block of events.
+
+    A pixel counts once in each bin, so that its own bursts are no pairs.
+    """
+
+    def __init__(self, *, width: int, height: int) -> None:
+        self._size = height, width
+        blocks = (2, -(-height // BLOCK_PX), -(-width // BLOCK_PX))
+        self._pixel_bin = np.full((2, height, width), -1, np.int64)
+        self._block_bin = np.full(blocks, -1, np.int64)
+        self._in_bin, self._events, self._pairs = (np.zeros(blocks, np.int64) for _ in range(3))
+
+    def add(self, events: Events) -> None:
+        """Include events, sorted by time and none older than those before."""
+        counters = self._in_bin, self._events, self._pairs
+        _add(events, self._pixel_bin, self._block_bin, counters)
+
+    def quiet_pixels(self, span_us: int) -> B1:
+        """Return (rows, columns) True at the pixels of blocks that show only noise.
+
+        Args:
+            span_us: duration of the recording, above 0 [µs].
+        """
+        quiet = self._pairs <= most_pairs(self._events, span_us / BIN_US)
+        rows, columns = (np.arange(side) // BLOCK_PX for side in self._size)
+        return np.asarray((quiet[0] & quiet[1])[np.ix_(rows, columns)])
+
+
+def most_pairs(events: I64, bins: float) -> F64:
+    """Return the number of simultaneous pairs up to which events may be noise.
 
     Args:
-        rate_hz: rate of noise per pixel and polarity; above 17 Hz, that of 17 Hz is taken [Hz].
+        events: number of events.
+        bins: number of bins of the recording.
     """
-    exponent = 8.0 * COINCIDENCE_US * 1e-6 * np.minimum(rate_hz, MAX_NOISE_HZ)
-    share: F64 = 1.0 / (1.0 + np.exp(-exponent))
-    return share
+    by_chance = events.astype(np.float64) ** 2 / (2.0 * bins)
+    limit: F64 = (1.0 + _EXCESS) * by_chance + _DEVIATIONS * np.sqrt(by_chance) + _ONE_PAIR
+    return limit
 
 
-def quiet_pixels(counts: I64, after_neighbour: I64, span_us: int) -> npt.NDArray[np.bool_]:
-    """Return the pixels of blocks whose events follow those of neighbours no more than by chance.
-
-    Args:
-        counts: (2, rows, columns) number of events of each polarity.
-        after_neighbour: (2, rows, columns) number of events with an age of their neighbours' latest
-            event below w, and from w to 2w.
-        span_us: duration of the recording, above 0 [µs].
-
-    Returns:
-        (rows, columns) True at quiet pixels.
-    """
-    _, rows, columns = counts.shape
-    pixels = _block_sums(np.ones((1, rows, columns), np.int64))[0]
-    rate_hz = _block_sums(counts).max(axis=0) / (pixels * span_us * 1e-6)
-    near, later = _block_sums(after_neighbour)
-    total, chance = near + later, chance_share(rate_hz)
-    limit = total * chance + _DEVIATIONS * np.sqrt(total * chance * (1.0 - chance))
-    quiet = near <= limit
-    of_row, of_column = np.arange(rows) // BLOCK_PX, np.arange(columns) // BLOCK_PX
-    return np.asarray(quiet[np.ix_(of_row, of_column)])
-
-
-def _block_sums(values: I64) -> I64:
-    _, rows, columns = values.shape
-    by_row = np.add.reduceat(values, np.arange(0, rows, BLOCK_PX), axis=1)
-    return np.asarray(np.add.reduceat(by_row, np.arange(0, columns, BLOCK_PX), axis=2))
+@compiled
+def _add(events: Any, pixel_bin: Any, block_bin: Any, counters: Any) -> None:
+    in_bin, counted, pairs = counters
+    for n in range(events.size):
+        event = events[n]
+        p, y, x, now = int(event.p), event.y, event.x, event.t // BIN_US
+        if pixel_bin[p, y, x] == now:
+            continue
+        pixel_bin[p, y, x] = now
+        j, i = y // BLOCK_PX, x // BLOCK_PX
+        if block_bin[p, j, i] != now:
+            block_bin[p, j, i], in_bin[p, j, i] = now, 0
+        pairs[p, j, i] += in_bin[p, j, i]
+        in_bin[p, j, i] += 1
+        counted[p, j, i] += 1

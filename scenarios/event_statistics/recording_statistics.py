@@ -12,7 +12,7 @@ from formats import Chunk
 from scenarios.event_statistics.interval_histogram import I64, quantile_us
 from scenarios.event_statistics.noise import MeanFrame, NoiseClass, noise_classes
 from scenarios.event_statistics.pixel_history import PixelHistory
-from scenarios.event_statistics.quiet_pixels import quiet_pixels
+from scenarios.event_statistics.quiet_pixels import SimultaneousPairs
 from scenarios.event_statistics.readout_order import ReadoutOrder, ReadoutShares
 
 FIRST_PERCENTILE = 0.01
@@ -88,6 +88,7 @@ class StatisticsCollector:
 
     def __init__(self, *, width: int, height: int) -> None:
         self._history = PixelHistory(width=width, height=height)
+        self._pairs = SimultaneousPairs(width=width, height=height)
         self._order = ReadoutOrder()
         self._frame = MeanFrame(width=width, height=height)
         self._first_us, self._last_us = 0, 0
@@ -105,6 +106,7 @@ class StatisticsCollector:
         self._last_us = int(events["t"][-1])
         self._events += events.size
         self._history.add(events)
+        self._pairs.add(events)
         self._order.add(events)
 
     def result(self) -> RecordingStatistics:
@@ -113,7 +115,7 @@ class StatisticsCollector:
         counts, changes = history.counts, history.changes
         totals = counts.sum(axis=0)
         pairs = np.maximum(totals - 1, 0)
-        quiet = quiet_pixels(counts, history.after_neighbour, span_us)
+        quiet = self._pairs.quiet_pixels(span_us)
         return RecordingStatistics(
             events=self._events,
             span_us=span_us,

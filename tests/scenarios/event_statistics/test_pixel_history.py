@@ -57,11 +57,6 @@ def test_a_moving_edge_gives_every_pixel_its_number_of_events() -> None:
     assert history.with_predecessor == 3 * 32 * 24
 
 
-def test_ages_of_the_neighbours_latest_event() -> None:
-    stream = events_of((0, 5, 5, 1), (4999, 6, 5, 1), (9999, 7, 5, 1), (19_999, 8, 5, 1))
-    assert history_of(stream).after_neighbour.sum(axis=(1, 2)).tolist() == [1, 1]
-
-
 def test_longer_runs_than_the_histogram_are_counted_at_its_end() -> None:
     rows = [(k, 5, 5, 1) for k in range(MAX_RUN + 50)]
     assert runs_of(history_of(events_of(*rows))) == ({MAX_RUN: 1}, {})
@@ -70,6 +65,6 @@ def test_longer_runs_than_the_histogram_are_counted_at_its_end() -> None:
 def test_blocks_change_nothing() -> None:
     stream = noise_events(20.0, 400_000)
     whole, parts = history_of(stream), history_of(*np.array_split(stream, 17))
-    for name in ("counts", "after_neighbour", "changes", "intervals", "runs"):
+    for name in ("counts", "changes", "intervals", "runs"):
         assert np.array_equal(getattr(whole, name), getattr(parts, name)), name
     assert whole.with_predecessor == parts.with_predecessor > 0
