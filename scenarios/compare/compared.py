@@ -29,7 +29,7 @@ class Measure(StrEnum):
 
     LOG_RATIO = "|ln(B/A)|"
     DIFFERENCE = "|B − A|"
-    WASSERSTEIN = "Wasserstein, ln"
+    WASSERSTEIN = "W₁ of ln"
 
 
 class Unit(StrEnum):

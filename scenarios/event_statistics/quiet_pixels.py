@@ -4,6 +4,7 @@ Frames cannot tell them alone: lamps flicker and reflections move between frames
 may have no frames. The events themselves can. The sensor is divided into blocks of 8×8 pixels, and
 time into bins of 5 ms. Edges, reflections and lamps make pixels of a block fire together. Noise of
 n events per block and polarity in m bins gives n²/(2m) pairs in the same bin, whatever its rate.
+A block beside one with a signal is not quiet either, because the signal may reach into it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import binary_erosion
 
 from flybench.events import Events
 from flybench.kernels import compiled
@@ -51,14 +53,15 @@ class SimultaneousPairs:
         _add(events, self._pixel_bin, self._block_bin, counters)
 
     def quiet_pixels(self, span_us: int) -> B1:
-        """Return (rows, columns) True at the pixels of blocks that show only noise.
+        """Return (rows, columns) True at pixels that show only noise.
 
         Args:
             span_us: duration of the recording, above 0 [µs].
         """
-        quiet = self._pairs <= most_pairs(self._events, span_us / BIN_US)
+        is_noise = self._pairs <= most_pairs(self._events, span_us / BIN_US)
+        quiet = binary_erosion(is_noise[0] & is_noise[1], np.ones((3, 3)), border_value=1)
         rows, columns = (np.arange(side) // BLOCK_PX for side in self._size)
-        return np.asarray((quiet[0] & quiet[1])[np.ix_(rows, columns)])
+        return np.asarray(quiet[np.ix_(rows, columns)])
 
 
 def most_pairs(events: I64, bins: float) -> F64:

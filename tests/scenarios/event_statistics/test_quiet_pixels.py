@@ -22,7 +22,7 @@ def sorted_by_time(*streams: Events) -> Events:
 @pytest.mark.parametrize("rate_hz", [0.1, 2.0, 20.0])
 def test_independent_noise_is_quiet(rate_hz: float) -> None:
     shares = [quiet_in(noise_events(rate_hz, SPAN_US, seed)).mean() for seed in range(6)]
-    assert np.mean(shares) > 0.98
+    assert np.mean(shares) > 0.9
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, 0.2, 2.0])
@@ -32,9 +32,9 @@ def test_a_moving_edge_is_not_quiet(rate_hz: float, events_each: int) -> None:
     assert not quiet_in(sorted_by_time(edge, noise_events(rate_hz, SPAN_US))).any()
 
 
-def test_blocks_beside_a_signal_stay_quiet() -> None:
+def test_blocks_beside_a_signal_are_not_quiet_but_those_farther_away_are() -> None:
     edge = edge_events(px_s=300.0, events_each=5)
-    quiet = quiet_in(edge[edge["x"] < 16])
+    quiet = quiet_in(edge[edge["x"] < 8])
     assert not quiet[:, :16].any()
     assert quiet[:, 16:].all()
 
