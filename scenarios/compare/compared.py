@@ -93,15 +93,9 @@ def _by_difference(key: str, name: str, unit: Unit, a: float | None, b: float | 
 
 
 def _polarity_and_edges(a: RecordingStatistics, b: RecordingStatistics) -> Iterator[Compared]:
-    share = Unit.SHARE
     yield _by_ratio("rate_hz", "events per pixel", Unit.RATE, a.rate_hz, b.rate_hz)
-    yield _by_ratio(
-        "events_an_edge",
-        "events per pixel and edge",
-        Unit.EVENTS,
-        a.events_an_edge,
-        b.events_an_edge,
-    )
+    name, values = "events per pixel and edge", (a.events_an_edge, b.events_an_edge)
+    yield _by_ratio("events_an_edge", name, Unit.EVENTS, *values)
     for key, name in (
         ("single_event_edges", "edges with one event"),
         ("with_predecessor", "predecessor within 30 ms"),
@@ -109,7 +103,7 @@ def _polarity_and_edges(a: RecordingStatistics, b: RecordingStatistics) -> Itera
         ("alternation", "alternation of polarity"),
         ("quiet_alternation", "alternation, quiet pixels"),
     ):
-        yield _by_difference(key, name, share, getattr(a, key), getattr(b, key))
+        yield _by_difference(key, name, Unit.SHARE, getattr(a, key), getattr(b, key))
 
 
 def _intervals(a: RecordingStatistics, b: RecordingStatistics) -> Iterator[Compared]:
