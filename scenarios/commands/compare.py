@@ -54,7 +54,7 @@ class Compare:
         if self.json:
             say(json.dumps(comparison_dict(files, statistics, rows), allow_nan=False))
         else:
-            print_comparison(Console(file=own_output()), paths, statistics, rows)
+            print_comparison(Console(file=own_output()), files, statistics, rows)
         if self.plot:
             console = Console(stderr=True) if self.json else Console(file=own_output())
             console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)

@@ -42,6 +42,8 @@ def _recording(file: EventFile, found: RecordingStatistics) -> dict[str, Any]:
         "format": file.format,
         "width": file.width,
         "height": file.height,
+        "sorted_events": file.sorted_events,
+        "dropped_events": file.dropped_events,
         "events": found.events,
         "span_us": found.span_us,
         "frames": found.frames,

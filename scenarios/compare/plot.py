@@ -46,7 +46,9 @@ def write_plot(
         base = Path(folder) / "figure"
         with figure_file(base, SIZE_IN) as figure:
             lines = [Line2D([], [], color=colour, linewidth=4) for colour in COLOURS]
-            figure.legend(lines, names, loc="outside upper left", ncols=2)
+            legend = figure.legend(lines, names, loc="outside upper left", ncols=2)
+            for text in legend.get_texts():
+                text.set_parse_math(False)  # a file's name may contain $
             panels = figure.subplots(2, 3).flat
             _draw_intervals(panels[0], statistics)
             _draw_edges(panels[1], statistics)

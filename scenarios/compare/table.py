@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
+from formats import EventFile
 from scenarios.compare.compared import Compared, Unit, busiest_shared
 from scenarios.event_statistics.recording_statistics import RecordingStatistics
 
@@ -19,7 +18,7 @@ _DECIMALS = {Unit.EVENTS: 2, Unit.LOG: 2}
 
 def print_comparison(
     console: Console,
-    names: tuple[Path, Path],
+    files: tuple[EventFile, EventFile],
     statistics: tuple[RecordingStatistics, RecordingStatistics],
     rows: Sequence[Compared],
 ) -> None:
@@ -27,12 +26,13 @@ def print_comparison(
 
     Args:
         console: where to print.
-        names: paths of the recordings.
+        files: the recordings, read to their ends.
         statistics: their statistics.
         rows: the compared statistics.
     """
-    for letter, name, found in zip("AB", names, statistics, strict=True):
-        console.print(f"{letter}: {escape(str(name))}, {_summary(found)}", soft_wrap=True)
+    for letter, file, found in zip("AB", files, statistics, strict=True):
+        text = f"{letter}: {file.path}, {_summary(file, found)}"
+        console.print(text, soft_wrap=True, markup=False)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for head in ("statistic", "A", "B", "distance", "measure"):
         table.add_column(head, justify="left" if head in ("statistic", "measure") else "right")
@@ -71,9 +71,15 @@ def notes(statistics: tuple[RecordingStatistics, RecordingStatistics]) -> list[s
     return found
 
 
-def _summary(found: RecordingStatistics) -> str:
+def _summary(file: EventFile, found: RecordingStatistics) -> str:
     rate_mev_s = found.events / found.span_us
-    return (
-        f"{found.events:,} events in {found.span_us * 1e-6:,.3f} s ({rate_mev_s:.3g} Mev/s), "
-        f"{found.frames:,} frames, {found.quiet_share:.0%} of pixels quiet"
-    )
+    parts = [
+        f"{found.events:,} events in {found.span_us * 1e-6:,.3f} s ({rate_mev_s:.3g} Mev/s)",
+        f"{found.frames:,} frames",
+        f"{found.quiet_share:.0%} of pixels quiet",
+    ]
+    if file.sorted_events is not None:
+        parts.append(f"{file.sorted_events:,} late events sorted")
+    if file.dropped_events is not None:
+        parts.append(f"{file.dropped_events:,} events out of order dropped")
+    return ", ".join(parts)

@@ -67,11 +67,8 @@ class ReadoutOrder:
 
     def shares(self) -> tuple[ReadoutShares, ...]:
         """Return the shares at each class of event rates, the lowest first."""
-        counts, millisecond, state = (
-            self._counts.copy(),
-            self._millisecond.copy(),
-            self._state.copy(),
-        )
+        counts, state = self._counts.copy(), self._state.copy()
+        millisecond = self._millisecond.copy()
         if state[_ROW] != _NO_ROW:
             _end_stamp(state, millisecond)
             _end_millisecond(state, millisecond, counts)

@@ -76,8 +76,19 @@ def test_with_json_standard_output_is_one_document(
     assert [path.name for path in tmp_path.iterdir()] == ["figure.png"]
 
 
+def test_events_that_were_dropped_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "late.csv"
+    file.write_text("t,x,y,p\n10,1,1,1\n900,2,2,0\n30,1,2,1\n950,3,3,1\n")
+    options = RecordingOptions(size="32x24", drop_unsorted=True)
+    assert execute(Compare(file, file, input=options)) == 0
+    assert "3 events in 0.001 s" in (out := capsys.readouterr().out)
+    assert out.count("1 events out of order dropped") == 2
+
+
 def test_the_figure_can_be_drawn_of_almost_nothing(tmp_path: Path) -> None:
-    a, png = tmp_path / "a.npz", tmp_path / "figure.png"
+    a, png = tmp_path / r"a$\x$.npz", tmp_path / "figure.png"
     write_events(a, [events_of((0, 1, 1, 1), (9, 2, 20, 0))], **SIZE)
     assert execute(Compare(a, a, plot=png)) == 0
     assert png.is_file()
