@@ -41,7 +41,7 @@ class DsecWriter(EventWriter):
                 f"{LATEST_US} µs, because the index of DSEC has one entry per millisecond. "
                 "Subtract the time of the first event."
             )
-        self._buffer.append(events)
+        self._buffer.append(concatenate_events([events]))  # a copy: the caller may change it
         self._buffered += events.size
         if self._buffered >= CHUNK:
             self._flush()

@@ -13,6 +13,7 @@ from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import Events
 from scenarios.errors import MethodError
+from scenarios.pipeline.read_only import read_only_copy, refuse_writing
 
 _NUMBERS = ("t_us", "hs", "vs", "strength", "response", "view_centre_px")
 _SPANS = {"hs": (-1, 1), "vs": (-1, 1), "strength": (0, 1)}
@@ -32,7 +33,7 @@ def feed(
 
     Args:
         detector: detector that follows the protocol `detector.Detector`.
-        events: next events of the stream.
+        events: next events of the stream; the detector gets a read-only copy.
         until_us: time up to which all events have been passed [µs].
         frames: next APS frames of the sensor; only a `FrameDetector` receives them.
         earlier: estimates returned by earlier calls; only the last one is used, to check the order.
@@ -41,21 +42,20 @@ def feed(
         The new estimates, in order of time.
 
     Raises:
-        MethodError: the detector does not return a list of estimates; an estimate is not later
-            than the one before it; or a field is not finite, is out of range, or is not a
-            direction or a box.
+        MethodError: the detector writes into the arrays that it is given; it does not return a list
+            of estimates; an estimate is not later than the one before it; or a field is not finite,
+            is out of range, or is not a direction or a box.
     """
     estimates: list[MotionEstimate] = []
-    taken = 0
+    events, taken = read_only_copy(events), 0
     if frames and isinstance(detector, FrameDetector):  # the protocol check takes 40 µs
         for frame in frames:
             cut = int(np.searchsorted(events["t"], frame.end_us))
-            estimates += _checked(detector, "push", detector.push(events[taken:cut]))
-            answer = detector.push_frame(frame.end_us, frame.image)
-            estimates += _checked(detector, "push_frame", answer)
+            estimates += _call(detector, "push", events[taken:cut])
+            estimates += _call(detector, "push_frame", frame.end_us, read_only_copy(frame.image))
             taken = cut
-    estimates += _checked(detector, "push", detector.push(events[taken:]))
-    estimates += _checked(detector, "advance", detector.advance(until_us))
+    estimates += _call(detector, "push", events[taken:])
+    estimates += _call(detector, "advance", until_us)
     _check_order(detector, [*earlier[-1:], *estimates])
     return estimates
 
@@ -64,6 +64,12 @@ def fly_maps(detector: Detector) -> FlyMaps | None:
     """Return the maps of a fly at its last estimate; None for other detectors."""
     maps = getattr(detector, "maps", None)
     return maps if isinstance(maps, FlyMaps) else None
+
+
+def _call(detector: Detector, call: str, *arguments: Any) -> Sequence[MotionEstimate]:
+    with refuse_writing(detector, call):
+        answer = getattr(detector, call)(*arguments)
+    return _checked(detector, call, answer)
 
 
 def _checked(detector: Detector, call: str, answer: Any) -> Sequence[MotionEstimate]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -88,15 +88,21 @@ def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
 
 
 def run_steps(
-    config: RunConfig, crossing: Crossing, detector: Detector, watch: Stopwatch
+    config: RunConfig,
+    crossing: Crossing,
+    detector: Detector,
+    watch: Stopwatch,
+    record: Callable[[Sample, SensorOutput], None] = lambda _sample, _output: None,
 ) -> Iterator[Step]:
-    """Render, emulate and detect, sample by sample.
+    """Render, emulate, record and detect, sample by sample.
 
     Args:
         config: configuration of the run.
         crossing: scene of the run.
         detector: fresh detector.
-        watch: stopwatch that takes the time of the stages "render", "emulate" and "detect".
+        watch: stopwatch that takes the time of the stages "render", "emulate", "record" and
+            "detect".
+        record: function that writes the output of the sensor, before the detector sees it.
 
     Yields:
         One step per sample, in order of time.
@@ -111,6 +117,8 @@ def run_steps(
             return
         with watch.stage("emulate"):
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
+        with watch.stage("record"):
+            record(sample, output)
         with watch.stage("detect"):
             estimates = feed(
                 detector,

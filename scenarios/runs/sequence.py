@@ -40,7 +40,7 @@ from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import EventTally, summarise
 from scenarios.recording import SequenceRecorder
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
-from sim import Crossing, LuminanceCache
+from sim import Crossing, LuminanceCache, Sample
 
 Progress = Callable[[int, int], None]
 """Called with the time reached and the duration of the sequence [µs]."""
@@ -107,10 +107,12 @@ def _run_into(
         with watch.stage("record"):
             recorder = stack.enter_context(_recorder(work, config, crossing, detector, extra))
             files = _open_event_files(stack, work, config, events_formats)
-        for step in run_steps(config, crossing, detector, watch):
-            with watch.stage("record"):
-                _write_events(files, step.output)
-                recorder.log(step.sample, step.output)
+
+        def record(sample: Sample, output: SensorOutput) -> None:
+            _write_events(files, output)
+            recorder.log(sample, output)
+
+        for step in run_steps(config, crossing, detector, watch, record):
             _log_estimates(recorder, config.method, detector, step.estimates, watch)
             for other in extra:
                 with watch.stage("detect"):

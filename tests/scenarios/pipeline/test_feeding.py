@@ -29,6 +29,24 @@ def test_a_frame_is_passed_between_the_events_before_and_after_it() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("InPlace", "push"),
+        ("InPlaceByForce", "push"),
+        ("InPlaceFrame", "push_frame"),
+        ("InPlaceThroughOpenCv", "push_frame"),
+    ],
+)
+def test_a_detector_that_writes_in_place_is_named(name: str, call: str) -> None:
+    detector = find_method(f"some_detectors:{name}").make(width=346, height=260)
+    events, image = events_at(10, 19), np.full((2, 2), 7, np.uint16)
+    with pytest.raises(MethodError, match=rf"{name}\.{call} writes into an array .*Copy first"):
+        feed(detector, events, until_us=50, frames=[ApsFrame(0, 20, image)])
+    assert events["t"].tolist() == [10, 19]
+    assert (image == 7).all()
+
+
+@pytest.mark.parametrize(
     ("name", "words"),
     [
         ("NoList", r"NoList\.advance returned NoneType"),
