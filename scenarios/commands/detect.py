@@ -53,6 +53,8 @@ class Detect:
         Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
     ] = None
     """Also write a figure (.png) of the events, the responses and the event rate."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace existing files of --rrd and --plot."""
     scale_to_sensor: bool = False
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
@@ -105,7 +107,7 @@ class Detect:
                     log(part)
             _check_not_empty(file)
             if self.plot:
-                png = stack.enter_context(atomic_file(self.plot))
+                png = stack.enter_context(atomic_file(self.plot, overwrite=self.overwrite))
                 title = f"{self._title(file)}: {verdict.direction.value}"
                 write_plot(png, plot_data, (file.width, file.height), title)
         return verdict
@@ -115,7 +117,7 @@ class Detect:
     ) -> Callable[[RecordingSlice], None]:
         """Return a function that logs slices; it opens the recorder at the first slice."""
         assert self.rrd is not None
-        work = stack.enter_context(atomic_file(self.rrd))
+        work = stack.enter_context(atomic_file(self.rrd, overwrite=self.overwrite))
         opened: list[FileRecorder] = []
 
         def log(part: RecordingSlice) -> None:
@@ -178,11 +180,11 @@ class Detect:
                 raise ScenarioError(
                     f"{option} is {path}. Allowed is a name that ends in {suffix}. Add the ending."
                 )
-            check_output_file(path, option)
             if path.absolute() == source.absolute():
                 raise ScenarioError(
                     f"{option} is {path}, which is the recording to read. Choose another name."
                 )
+            check_output_file(path, option, overwrite=self.overwrite)
 
     def _print_outputs(self) -> None:
         console = Console(stderr=True) if self.json else Console()

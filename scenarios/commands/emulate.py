@@ -89,13 +89,18 @@ class Emulate:
     interpolate: bool = False
     """Interpolate frames by optical flow so that nothing moves more than half a pixel at once."""
 
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --out."""
+
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
-        check_output_file(self.out, "--out")
+        check_output_file(self.out, "--out", overwrite=self.overwrite)
         pictures = open_pictures(self.input)
         fps, motion, totals = self._fps(pictures), MotionStatistics(), EmulationTotals()
         config = preset(self.sensor)
-        with open_writer(self.out, width=config.width, height=config.height) as writer:
+        with open_writer(
+            self.out, width=config.width, height=config.height, overwrite=self.overwrite
+        ) as writer:
             self._emulate(pictures, fps, motion, writer, totals)
             if totals.frames < 2:
                 raise ScenarioError(

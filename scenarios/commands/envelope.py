@@ -20,6 +20,8 @@ from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.user_detectors import find_method
 
 SEEDS, SEEDS_IN_FULL = 2, 10
+NEEDED_BYTES = 300_000
+"""Size of the output for one method [bytes] (measured)."""
 Factor = Literal["contrast", "direction", "length_px", "surface", "background"]
 
 
@@ -73,11 +75,11 @@ class Envelope:
         grid = self.grid()
         for name in self.methods:
             _check_method(name)
-        check_output_folder(self.out)
-        with progress_bar() as progress:
-            advance = progress.track(f"envelope of {', '.join(self.methods)}")
-            rows = measure_all(grid.points(), self.methods, jobs=self.jobs, progress=advance)
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES * len(self.methods))
         with atomic_folder(self.out) as work:
+            with progress_bar() as progress:
+                advance = progress.track(f"envelope of {', '.join(self.methods)}")
+                rows = measure_all(grid.points(), self.methods, jobs=self.jobs, progress=advance)
             write_envelope(work, rows, grid, asdict(replace(self, method=self.methods)))
         print_envelope(rows, grid)
         print(f"wrote {self.out}")

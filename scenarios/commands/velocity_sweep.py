@@ -27,10 +27,12 @@ from scenarios.pipeline.running import make_detector
 from scenarios.velocity_sweep.grms import draw_grms, spearman_by_seed
 from scenarios.velocity_sweep.rows import Row, measure_velocity
 from scenarios.velocity_sweep.table import print_rows
-from sim import CrossingConfig, Lighting
+from sim import CrossingConfig, Lighting, LuminanceCache
 from sim.config import PAPER_OMEGA_RAD_S
 
 MAX_SEEDS = 100
+NEEDED_BYTES = 60_000
+"""Size of the output [bytes] (measured)."""
 TABLE = "velocities.csv"
 
 
@@ -66,20 +68,24 @@ class VelocitySweep:
         """Measure all velocities, print the table, and write the folder if `--out` is given."""
         configs, cache = list(self._configs()), self.cache.open()
         make_detector(configs[0])
-        if self.out is not None:
-            check_output_folder(self.out)
+        if self.out is None:
+            print_rows(self._measure(configs, cache))
+            return 0
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
+        with atomic_folder(self.out) as work:
+            rows = self._measure(configs, cache)
+            print_rows(rows)
+            self._write(work, rows)
+        print(f"wrote {self.out}")
+        return 0
+
+    def _measure(self, configs: list[RunConfig], cache: LuminanceCache | None) -> list[Row]:
         with progress_bar() as progress:
-            rows = [
+            return [
                 row
                 for config in configs
                 for row in measure_velocity(config, self.seeds, progress, cache=cache)
             ]
-        print_rows(rows)
-        if self.out is not None:
-            with atomic_folder(self.out) as work:
-                self._write(work, rows)
-            print(f"wrote {self.out}")
-        return 0
 
     def _configs(self) -> Iterator[RunConfig]:
         if not 1 <= self.seeds <= MAX_SEEDS:

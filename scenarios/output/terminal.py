@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Protocol
@@ -13,6 +14,7 @@ import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
 from scenarios.output.repetition import check_repetition
 
@@ -112,8 +114,23 @@ def execute(command: Command) -> int:
             raise
         return _interrupted()
     except BrokenPipeError:  # the reader of our output has closed it; discard the rest
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()
         return 1
+    except OSError as error:
+        if not caused_by_full_disk(error):
+            raise
+        _discard_output()  # it may be the output itself that has no room
+        where = f" of {error.filename}" if error.filename else ""
+        print(
+            f"flybench: The disk{where} is full ({error.strerror}). It is that of the output, of "
+            f"{tempfile.gettempdir()} or of the standard output. Free some space there.",
+            file=sys.stderr,
+        )
+        return 2
+
+
+def _discard_output() -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _handle_signals_as_interrupt() -> None:
