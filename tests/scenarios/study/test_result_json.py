@@ -1,6 +1,7 @@
 """Results as JSON."""
 
 from dataclasses import fields, replace
+from typing import cast
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from tests.scenarios.study.synthetic_results import make_sequence
 def test_a_result_comes_back_without_loss() -> None:
     result = make_sequence("night", 1.42)
     run = result.runs[0]
-    odd = replace(run.estimates[0], strength=np.float32(0.1), hs=0.1 + 0.2, roi_px=None)
+    odd = replace(
+        run.estimates[0], strength=cast("float", np.float32(0.1)), hs=0.1 + 0.2, roi_px=None
+    )
     result = replace(result, runs=(replace(run, estimates=(odd, *run.estimates)), *result.runs))
     back = result_from_json(result_to_json(result))
     assert back.runs == result.runs
