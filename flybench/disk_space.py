@@ -11,6 +11,8 @@ from flybench.errors import FlybenchError
 
 _FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 """Errors of a full disk, an exhausted quota, and a file above the size limit of the process."""
+_SHOWN_BYTES = 100_000
+"""Smallest size that a message states."""
 _IN_RUST = re.compile(r"\(os error (\d+)\)")
 REMEDY = "Free some space, or choose another place."
 
@@ -55,10 +57,9 @@ def full_disk_message(target: Path, unfinished: Path) -> str:
         target: final place of the output.
         unfinished: folder that holds what was written.
     """
-    return (
-        f"The disk of {target} is full. {megabytes(size_of(unfinished))} were written before, and "
-        f"more was needed. {REMEDY}"
-    )
+    size = size_of(unfinished)
+    written = f"{megabytes(size)} were written before, and more was needed. "
+    return f"The disk of {target} is full. {written if size >= _SHOWN_BYTES else ''}{REMEDY}"
 
 
 def size_of(folder: Path) -> int:

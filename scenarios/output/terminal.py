@@ -119,7 +119,10 @@ def execute(command: Command) -> int:
     except OSError as error:
         if not caused_by_full_disk(error):
             raise
-        _discard_output()  # it may be the output itself that has no room
+        try:
+            sys.stdout.flush()
+        except OSError:  # it is the standard output that has no room
+            _discard_output()
         where = f" of {error.filename}" if error.filename else ""
         print(
             f"flybench: The disk{where} is full ({error.strerror}). It is that of the output, of "
