@@ -44,6 +44,7 @@ class UnfinishedOutput:
                 the folder cannot be created.
         """
         self.target, self._error = target, error
+        self._lock: BinaryIO | None = None
         self._folder = folder = target.with_name(target.name + SUFFIX)
         self.new, self.old, self.finished = folder / NEW, folder / OLD, folder / FINISHED
         try:
@@ -58,6 +59,8 @@ class UnfinishedOutput:
                 "it to end, or choose another place."
             ) from None
         except OSError as failure:
+            if self._lock is not None:
+                self.close(keep_finished=True)
             raise error(
                 f"{target} cannot be written ({failure.strerror}). Choose another place."
             ) from failure
@@ -83,7 +86,8 @@ class UnfinishedOutput:
         if not (keep_finished and self.finished.exists()):
             _remove(self._folder, FINISHED)
             _remove_locked(self._folder)
-        self._lock.close()
+        if self._lock is not None:
+            self._lock.close()
 
     def publish_file(self, *, overwrite: bool) -> None:
         """Move the new file, which has the name of the target, to its final place.

@@ -23,6 +23,7 @@ class PipedFile:
         Raises:
             OSError: the file cannot be created.
         """
+        path.unlink(missing_ok=True)  # a process that was killed may still have it open
         self._file = path.open("wb", buffering=0)
         self._error: OSError | None = None
         self._pipe, self._entry = os.pipe()

@@ -8,7 +8,7 @@ import os
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -86,11 +86,12 @@ def finished_sequences(folder: Path) -> Iterator[FinishedSequences]:
     try:
         yield finished
     except BaseException:
-        finished.remove_incomplete()
-        if folder.exists():
+        with suppress(OSError):  # a worker may still be writing
+            finished.remove_incomplete()
+        if folder.exists() and finished.count():
             print(
-                f"flybench: {finished.count()} finished sequences are kept in {folder}. To go on, "
-                "start the same command again.",
+                f"flybench: Finished sequences are kept in {folder} ({finished.count()}). To go "
+                "on, start the same command again.",
                 file=sys.stderr,
             )
         raise

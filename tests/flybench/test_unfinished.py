@@ -1,9 +1,11 @@
 """Output that is being written."""
 
+import errno
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,6 +15,7 @@ from flybench.unfinished import LOCK, UnfinishedOutput, free_name, remove_abando
 KILLED = """
 import os, signal, sys
 from pathlib import Path
+from typing import Any
 from flybench.errors import FlybenchError
 from flybench.unfinished import UnfinishedOutput
 output = UnfinishedOutput(Path(sys.argv[1]), FlybenchError)
@@ -91,6 +94,22 @@ def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
         UnfinishedOutput(tmp_path / "no" / "a", FlybenchError)
     with pytest.raises(FlybenchError, match="File name too long"):
         UnfinishedOutput(tmp_path / ("a" * 250), FlybenchError)
+
+
+def test_nothing_is_left_if_the_folder_cannot_be_prepared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make = Path.mkdir
+
+    def mkdir(path: Path, **options: Any) -> None:
+        if path.name == "new":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        make(path, **options)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    with pytest.raises(FlybenchError, match="No space left on device"):
+        UnfinishedOutput(tmp_path / "a", FlybenchError)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_free_name_is_numbered(tmp_path: Path) -> None:
