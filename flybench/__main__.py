@@ -3,15 +3,21 @@
 import atexit
 import os
 import shutil
+import signal
 import sys
 import tempfile
 from pathlib import Path
 
 from flybench.version import __version__
 
+_FOLDERS: list[str] = []
+"""Temporary folders to remove at the end."""
+
 
 def main() -> None:
     """Run the command, or print the name of the library that is missing."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, _end)  # until the command runs: the libraries load slowly
     if sys.argv[1:] == ["--version"]:
         print(f"flybench {__version__}")
         return
@@ -38,7 +44,20 @@ def _give_matplotlib_a_folder() -> None:
         tempfile.TemporaryFile(dir=Path.home()).close()
     except OSError:
         os.environ["MPLCONFIGDIR"] = folder = tempfile.mkdtemp(prefix="flybench-")
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        _FOLDERS.append(folder)
+        atexit.register(_remove_folders)
+
+
+def _remove_folders() -> None:
+    for folder in _FOLDERS:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _end(*_: object) -> None:
+    """End at once on Ctrl-C: an exception while a library loads could be caught or replaced."""
+    os.write(2, b"flybench: interrupted\n")
+    _remove_folders()
+    os._exit(130)
 
 
 if __name__ == "__main__":

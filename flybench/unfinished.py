@@ -15,6 +15,7 @@ from typing import BinaryIO, Self
 
 from flybench.disk_space import caused_by_full_disk, full_disk_message
 from flybench.errors import FlybenchError
+from flybench.files import open_regular
 
 SUFFIX, LOCK = ".unfinished", "flybench.lock"
 NEW, OLD, FINISHED = "new", "old", "finished"
@@ -126,7 +127,7 @@ def lock_file(path: Path, *, create: bool = True) -> BinaryIO:
         FileNotFoundError: it does not exist, or another process has just removed it.
         OSError: it cannot be opened.
     """
-    file = path.open("ab" if create else "r+b")
+    file = open_regular(path, "ab" if create else "r+b")
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if not os.path.samestat(os.fstat(file.fileno()), path.stat()):

@@ -6,13 +6,15 @@
 
 from formats.errors import FormatError, MissingLibraryError
 from formats.event_file import Chunk, EventFile, EventStatistics, open_events, read_events
-from formats.identify import FORMATS
+from formats.event_order import SORT_MAX_US
+from formats.identify import FORMATS, identify_format
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
 
 __all__ = [
     "ENDINGS",
     "FORMATS",
+    "SORT_MAX_US",
     "WRITERS",
     "Chunk",
     "EventFile",
@@ -20,6 +22,7 @@ __all__ = [
     "EventWriter",
     "FormatError",
     "MissingLibraryError",
+    "identify_format",
     "open_events",
     "open_writer",
     "read_events",

@@ -13,14 +13,24 @@ import numpy as np
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
-from formats.columns import MAX_SIDE_PX, UNITS_US, ReadOptions
+from flybench.memory import check_memory
+from flybench.printable import printable
+from formats.column_order import check_order
+from formats.columns import MAX_SIDE_PX, ReadOptions
 from formats.errors import FormatError
-from formats.identify import FORMATS, check_readable, identify_format
+from formats.event_order import SORT_MAX_US
+from formats.identify import FORMATS, TABLES, check_readable, identify_format
 from formats.isolated_reader import IsolatedReader
 from formats.parser_process import FRAME
+from formats.time_unit import unit_us
 
 _FRAMES_PENDING = 32
 """Most frames that are held back until events reach the end of their exposure (assumed)."""
+
+_LIST_BYTES = 2 * EVENT_DTYPE.itemsize
+"""Memory per event while a list of chunks becomes one array [bytes]."""
+_FRAMES_KEPT = 2 * _FRAMES_PENDING
+"""Frames that exist at once: those held back, and those in use after them (estimated)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +124,11 @@ class EventFile:
         header_fields: other facts in the header, by name.
         origin_us: time that was subtracted from all timestamps [µs]: the first timestamp if it is
             negative or a wall-clock time (10¹⁴ µs and more), else 0.
+        warnings: what is uncertain about the file, each with the option that settles it.
+        sorted_events: number of late events that were put in order, once all chunks are read; None
+            if that was not asked for.
+        dropped_events: number of events out of order that were dropped, once all chunks are read;
+            None if that was not asked for.
     """
 
     def __init__(self, path: Path, name: str, options: ReadOptions) -> None:
@@ -142,8 +157,12 @@ class EventFile:
         self.width, self.height = header["size"]
         self.size_source: str = header["size_source"]
         self.has_frames: bool = header["has_frames"]
-        self.header_fields: dict[str, str] = header["facts"]
+        facts: dict[str, str] = header["facts"]
+        self.header_fields = {printable(name): printable(fact) for name, fact in facts.items()}
         self.origin_us: int = header["origin_us"]
+        self.warnings: tuple[str, ...] = tuple(header["warnings"])
+        self.sorted_events: int | None = None
+        self.dropped_events: int | None = None
 
     def __enter__(self) -> EventFile:
         return self
@@ -176,6 +195,11 @@ class EventFile:
                 if len(pending) > _FRAMES_PENDING:
                     yield self._counted(Chunk(empty_events(), (pending.pop(0),)))
                 continue
+            if kind == b"C":
+                counts = json.loads(content.decode())
+                self.sorted_events = counts["sorted_events"]
+                self.dropped_events = counts["dropped_events"]
+                continue
             events = np.frombuffer(content, EVENT_DTYPE)
             last_us = int(events["t"][-1])
             due = tuple(takewhile(lambda frame: frame.end_us <= last_us, pending))  # noqa: B023
@@ -196,6 +220,9 @@ def open_events(
     format: str | None = None,  # noqa: A002  (the usual name of this parameter)
     size: tuple[int, int] | None = None,
     time_unit: str | None = None,
+    columns: str | None = None,
+    sort_within_us: int = 0,
+    drop_unsorted: bool = False,
 ) -> EventFile:
     """Open a recording; its format is recognised by its first bytes.
 
@@ -203,9 +230,16 @@ def open_events(
         path: path of the file.
         format: name of the format, one of `FORMATS`; None: recognise it.
         size: width and height of the sensor, if the file does not state them or is wrong [px].
-        time_unit: unit of the timestamps, "s", "ms", "us" or "ns", if the file does not state it or
-            is wrong. Used for text, HDF5 and NumPy only. None: s for timestamps with decimals, µs
-            for integers.
+        time_unit: unit of the timestamps, if the file does not state it or is wrong: "s", "ms",
+            "us" or "ns", with a number before it for timestamps that count steps, such as "33.3ms"
+            or "1/30s". None: what the file states, or recognised by the values.
+        columns: order of the columns of a text file or a table without names: a letter of each
+            column, such as "txyp", and "-" for one that is not read. None: recognised by the
+            values.
+        sort_within_us: put events in order that come late by no more than this, 0 to
+            `formats.event_order.SORT_MAX_US`; those of this time are held in memory [µs].
+        drop_unsorted: drop events that come late (by more than `sort_within_us`), and single
+            events from the future.
 
     Returns:
         The open file, with the facts from its header.
@@ -217,38 +251,55 @@ def open_events(
     path = Path(path)
     if format is not None and format not in FORMATS:
         raise FormatError(f"The format is {format!r}. Allowed is one of {', '.join(FORMATS)}.")
-    if time_unit is not None and time_unit not in UNITS_US:
-        raise FormatError(
-            f"The time unit is {time_unit!r}. Allowed is one of {', '.join(UNITS_US)}."
-        )
     if size is not None and not all(0 < side <= MAX_SIDE_PX for side in size):
         raise FormatError(
             f"The sensor's size is {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px in "
             "width and height. Correct the size."
         )
+    if time_unit is not None:
+        unit_us(time_unit)
+    if not 0 <= sort_within_us <= SORT_MAX_US:
+        raise FormatError(
+            f"Events are to be sorted within {sort_within_us / 1e3:g} ms. Allowed is 0 to "
+            f"{SORT_MAX_US / 1e3:g} ms, because all events of that time are held in memory."
+        )
+    columns = check_order(columns) if columns is not None else None
     check_readable(path)
-    return EventFile(path, format or identify_format(path), ReadOptions(size, time_unit))
+    name = format or identify_format(path)
+    if columns is not None and name not in TABLES:
+        raise FormatError(
+            f"--columns is {columns}, but {path} is {FORMATS[name]}, which defines its columns. "
+            "Leave --columns out."
+        )
+    options = ReadOptions(size, time_unit, columns, sort_within_us, drop_unsorted)
+    return EventFile(path, name, options)
 
 
-def read_events(
-    path: Path | str,
-    *,
-    format: str | None = None,  # noqa: A002
-    size: tuple[int, int] | None = None,
-    time_unit: str | None = None,
-) -> Events:
-    """Return all events of a file that fits into memory; the arguments are those of `open_events`.
+def read_events(path: Path | str, **options: Any) -> Events:
+    """Return all events of a file that fits into memory.
+
+    Args:
+        path: path of the file.
+        **options: options of `open_events`.
 
     Raises:
         FormatError: the file cannot be read; the message states why.
         MissingLibraryError: a library is missing; the message states how to install it.
+        MemoryBudgetError: the events do not fit into the memory budget.
     """
-    with open_events(path, format=format, size=size, time_unit=time_unit) as file:
-        chunks = [chunk.events for chunk in file]
+    with open_events(path, **options) as file:
+        chunks: list[Events] = []
+        number = 0
+        for chunk in file:
+            number += chunk.events.size
+            what = f"The list of the first {number} events of {path}"
+            check_memory(what, number * _LIST_BYTES)
+            chunks.append(chunk.events)
     return concatenate_events(chunks)
 
 
 def _frame(content: bytearray) -> ApsFrame:
     start_us, end_us, width, height = FRAME.unpack_from(content)
+    check_memory(f"A recording with APS frames of {width}×{height} px", _FRAMES_KEPT * len(content))
     image = np.frombuffer(content, "<u2", offset=FRAME.size).reshape(height, width)
     return ApsFrame(start_us=start_us, end_us=end_us, image=image)

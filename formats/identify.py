@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from formats.errors import FormatError
@@ -22,6 +23,9 @@ FORMATS = {
     "text": "text",
 }
 """Formats that can be read: name, as `open_events(format=...)` takes it, and description."""
+
+TABLES = ("hdf5", "npz", "npy", "text")
+"""Formats in which the order of columns may be unknown."""
 
 _MAGIC = {
     b"#!AER-DAT4.": "aedat4",
@@ -46,6 +50,27 @@ _UNSUPPORTED = {
 }
 """Known files that cannot be read: description and remedy, by first bytes."""
 
+_PICTURES = {
+    rb"....ftyp": "a video (MP4 or MOV)",
+    rb"RIFF....AVI ": "a video (AVI)",
+    rb"\x1a\x45\xdf\xa3": "a video (Matroska or WebM)",
+    rb"OggS": "a video (Ogg)",
+    rb"FLV\x01": "a video (FLV)",
+    rb"\x30\x26\xb2\x75": "a video (WMV)",
+    rb"\0\0\x01[\xb3\xba]": "a video (MPEG)",
+    rb"GIF8[79]a": "a picture (GIF)",
+    rb"\x89PNG": "a picture (PNG)",
+    rb"\xff\xd8\xff": "a picture (JPEG)",
+    rb"RIFF....WEBP": "a picture (WebP)",
+    rb"II\*\0|MM\0\*": "a picture (TIFF)",
+    rb"BM....\0\0\0\0": "a picture (BMP)",
+    rb"P[56]\s": "a picture (PGM or PPM)",
+}
+"""Videos and pictures: description by a regular expression for the first bytes."""
+
+_PICTURE_ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm")
+_EMULATE = "Turn it into events with flybench emulate."
+
 _EVT = {"2.0": "evt2", "2": "evt2", "2.1": "evt21", "21": "evt21", "3.0": "evt3", "3": "evt3"}
 _HEAD_BYTES = 1 << 14
 
@@ -64,7 +89,9 @@ def check_readable(path: Path) -> None:
     """
     try:
         if path.is_dir():
-            raise FormatError(f"{path} is a folder. Give a file of events in it.")
+            pictures = any(file.suffix.lower() in _PICTURE_ENDINGS for file in path.iterdir())
+            remedy = _EMULATE if pictures else "Give a file of events in it."
+            raise FormatError(f"{path} is a folder{' of pictures' * pictures}. {remedy}")
         if not path.exists():
             raise FormatError(f"{path} does not exist. Check its name and folder.")
         if not path.is_file():
@@ -96,15 +123,20 @@ def identify_format(path: Path) -> str:
     for magic, (description, remedy) in _UNSUPPORTED.items():
         if head.startswith(magic):
             raise FormatError(f"{path} is {description}, which cannot be read. {remedy}")
+    for pattern, description in _PICTURES.items():
+        if re.match(pattern, head, re.DOTALL):
+            raise FormatError(f"{path} is {description}, not a recording of events. {_EMULATE}")
     name = _prophesee(head) if head.startswith(b"%") else ""
     if name:
         return name
     if _is_text(head):
         return "text"
+    remedy = "Convert it to one of these with the software that wrote it."
+    if path.suffix.lower() in ("", ".raw", ".bin"):
+        remedy = "Read a RAW file without a header with --format evt2, evt21 or evt3, and --size."
     raise FormatError(
         f"{path} begins with {head[:8]!r}, which is none of the formats that can be read. Allowed "
-        f"is {', '.join(FORMATS.values())}. Read a RAW file without a header with --format evt2, "
-        "evt21 or evt3, and --size."
+        f"is {', '.join(FORMATS.values())}. {remedy}"
     )
 
 
@@ -145,11 +177,21 @@ def percent_header(head: bytes) -> tuple[dict[str, str], int]:
 
 def _prophesee(head: bytes) -> str:
     facts, _ = percent_header(head)
+    name = prophesee_format(facts)
+    if name:
+        return name
+    return "dat" if "version" in facts or facts.get("data", "").startswith("file") else ""
+
+
+def prophesee_format(facts: Mapping[str, str]) -> str:
+    """Return the name of the RAW format that a header states; empty if it states none.
+
+    Args:
+        facts: values of the header by keyword in lower case.
+    """
     evt = re.match(r"EVT([\d.]+)", facts.get("format", ""), re.IGNORECASE)
     version = evt[1] if evt else facts.get("evt", "")
-    if version in _EVT:
-        return _EVT[version]
-    return "dat" if "version" in facts or facts.get("data", "").startswith("file") else ""
+    return _EVT.get(version, "")
 
 
 def _is_text(head: bytes) -> bool:

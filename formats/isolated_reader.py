@@ -16,6 +16,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -53,14 +54,14 @@ class IsolatedReader:
             options: what the user states about the file.
         """
         self._path = path
-        job = {"path": str(path), "format": name, "size": options.size}
+        job = {"path": str(path), "format": name, "options": asdict(options)}
         self._process = subprocess.Popen(
             [
                 sys.executable,
                 "-P",
                 "-c",
                 _BOOTSTRAP,
-                json.dumps(job | {"time_unit": options.time_unit}),
+                json.dumps(job),
                 str(Path(__file__).parent),
                 str(Path(__file__).parents[1]),
             ],

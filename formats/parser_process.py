@@ -5,6 +5,7 @@ A message is a kind (1 byte), a length (8 bytes, little-endian) and that many by
 - `H`: header of the file, as a JSON object.
 - `E`: events of `PARSED_DTYPE`.
 - `F`: a frame: start, end, width and height (8 bytes each), then 2 bytes per pixel.
+- `C`: what was counted while reading, as a JSON object; at the end of the file.
 - `W`: still working; no content.
 - `X`: an error message; no further messages follow.
 - `Z`: end of the file.
@@ -15,8 +16,10 @@ from __future__ import annotations
 import json
 import struct
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -26,17 +29,21 @@ from formats.columns import (
     MAX_SIDE_PX,
     WALL_CLOCK_MIN_US,
     Array,
-    EventColumns,
+    FileHeader,
     ParsedFrame,
     ParsedItem,
     ReadOptions,
     Size,
-    check_time_order,
+    joined,
     to_events,
+    valid_length,
 )
 from formats.errors import FormatError
+from formats.event_order import TimeOrder
 from formats.identify import FORMATS
 from formats.readers import reader_of
+from formats.sensor_size import infer_size
+from formats.time_unit import TimeUnit, choose_unit, to_microseconds, unit_us
 
 MESSAGE = struct.Struct("<cQ")
 FRAME = struct.Struct("<4q")
@@ -45,17 +52,6 @@ MEMORY_LIMIT_BYTES = 1 << 30
 
 BATCH = 1 << 16
 """Events are collected until there are this many, then sent as one message."""
-
-_SENSOR_SIZES: tuple[Size, ...] = (
-    (128, 128),
-    (240, 180),
-    (304, 240),
-    (320, 320),
-    (346, 260),
-    (640, 480),
-    (1280, 720),
-)
-"""Width and height of common sensors [px]."""
 
 _TOO_LARGE = f"needs more than {MEMORY_LIMIT_BYTES >> 30} GB of memory to be read"
 _REPAIR = "It is damaged, or compressed in blocks that are too large. Copy it again or convert it."
@@ -71,8 +67,9 @@ def main() -> None:
     """Parse the file that the first argument, a JSON object, names; write to standard output."""
     job = json.loads(sys.argv[1])
     limit_memory()
-    size = tuple(job["size"]) if job["size"] else None
-    options = ReadOptions(size, job["time_unit"])
+    stated = job["options"]
+    size = tuple(stated["size"]) if stated["size"] else None
+    options = ReadOptions(**stated | {"size": size})
     parse(Path(job["path"]), job["format"], options, sys.stdout.buffer)
 
 
@@ -116,24 +113,30 @@ def _send(out: BinaryIO, kind: bytes, *parts: Any) -> None:
 
 
 def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> None:
-    read = reader_of(name)
-    header, items = read(path, options)
-    size, source = options.size or header.size, "the option" if options.size else "the file"
+    header, unit, items = _open(path, name, options)
+    size = options.size or header.size
+    source = "the option" if options.size else header.size_source
     if size is None:
-        size, source = infer_size(path, items, out), "the events"
-        header, items = read(path, options)
+        size, source = (
+            infer_size(path, items, header.possible_sizes, lambda: _send(out, b"W")),
+            "the events",
+        )
+        header, unit, items = _open(path, name, options)
     if not all(0 < side <= MAX_SIDE_PX for side in size):
         raise FormatError(
             f"{path} states a sensor of {size[0]}x{size[1]} px. Allowed is 1 to {MAX_SIDE_PX} px "
             "each way. Give the true size with --size."
         )
-    shifted, origin_us = _with_origin(path, items, size)
+    order = TimeOrder(path, options)
+    checked = _checked(path, items, size, order, size_is_option=options.size is not None)
+    shifted, origin_us = _with_origin(checked)
     facts = {
         "size": size,
         "size_source": source,
-        "facts": header.facts,
+        "facts": header.facts | {"time unit": str(unit)},
         "has_frames": header.has_frames,
         "origin_us": origin_us,
+        "warnings": [unit.warning] if unit.warning else [],
     }
     _send(out, b"H", json.dumps(facts).encode())
     for item in _batched(shifted):
@@ -143,44 +146,50 @@ def _send_file(path: Path, name: str, options: ReadOptions, out: BinaryIO) -> No
             _send(out, b"F", numbers, np.ascontiguousarray(item.image, "<u2").data.cast("B"))
         elif item.size:
             _send(out, b"E", item.view(np.uint8).data)
+    counts = {
+        "sorted_events": order.sorted if options.sort_within_us else None,
+        "dropped_events": order.dropped if options.drop_unsorted else None,
+    }
+    _send(out, b"C", json.dumps(counts).encode())
     _send(out, b"Z")
 
 
-def infer_size(path: Path, items: Iterator[ParsedItem], out: BinaryIO) -> Size:
-    """Return the size of the sensor from the extent of the events [px].
+def _open(
+    path: Path, name: str, options: ReadOptions
+) -> tuple[FileHeader, TimeUnit, Iterator[ParsedItem]]:
+    """Return the header, the unit of the timestamps, and the items with times in µs."""
+    header, items = reader_of(name)(path, options)
+    head: list[ParsedItem] = []
+    times = np.empty(0, np.int64)
+    for item in items:
+        head.append(item)
+        if isinstance(item, ParsedFrame) or item.t.size:
+            times = times if isinstance(item, ParsedFrame) else item.t
+            break
+    unit = choose_unit(
+        times,
+        option=options.time_unit,
+        stated=header.time_unit,
+        source=header.unit_source,
+        path=path,
+    )
+    return header, unit, _in_microseconds(path, chain(head, items), unit.name)
 
-    The result is the smallest common sensor of which the events span at least 90 % each way, or
-    their extent if there is none.
-    """
-    width = height = 0
-    done = 0
-    try:
-        for item in items:
-            _send(out, b"W")
-            if isinstance(item, EventColumns) and item.t.size:
-                to_events(item, None, path=path, done=done)
-                done += item.t.size
-                width = max(width, int(item.x.max()) + 1)
-                height = max(height, int(item.y.max()) + 1)
-    except FormatError:  # the second pass sends the events before the error, and raises it again
-        if not done:
-            raise
-    if not done:
-        raise FormatError(
-            f"{path} contains no events, so the size of its sensor is unknown. Allowed is a "
-            "recording with events, or a stated size. Give the size with --size."
-        )
-    for columns, rows in _SENSOR_SIZES:
-        if 0.9 * columns <= width <= columns and 0.9 * rows <= height <= rows:
-            return columns, rows
-    return width, height
+
+def _in_microseconds(path: Path, items: Iterable[ParsedItem], unit: str) -> Iterator[ParsedItem]:
+    factor = unit_us(unit)
+    for item in items:
+        if isinstance(item, ParsedFrame):
+            start_us, end_us = round(item.start_us * factor), round(item.end_us * factor)
+            yield ParsedFrame(start_us, end_us, item.image)
+        else:
+            yield replace(item, t=to_microseconds(item.t, unit, path=path))
 
 
 def _with_origin(
-    path: Path, items: Iterator[ParsedItem], size: Size
+    checked: Iterator[Array | ParsedFrame],
 ) -> tuple[Iterator[Array | ParsedFrame], int]:
     """Return checked events and frames in time from the origin, and the origin itself [µs]."""
-    checked = _checked(path, items, size)
     head: list[Array | ParsedFrame] = []
     for item in checked:
         head.append(item)
@@ -195,17 +204,35 @@ def _with_origin(
     return _shifted(head, checked, origin_us), origin_us
 
 
-def _checked(path: Path, items: Iterator[ParsedItem], size: Size) -> Iterator[Array | ParsedFrame]:
-    done, last_us = 0, None
-    for item in items:
-        if isinstance(item, ParsedFrame):
-            yield item
-            continue
-        events = to_events(item, size, path=path, done=done)
-        if events.size:
-            check_time_order(events, last_us, path=path, done=done)
-            last_us, done = int(events["t"][-1]), done + events.size
-            yield events
+def _checked(
+    path: Path,
+    items: Iterator[ParsedItem],
+    size: Size,
+    order: TimeOrder,
+    *,
+    size_is_option: bool,
+) -> Iterator[Array | ParsedFrame]:
+    """Yield frames, and valid events in order of time; before an error, all events before it."""
+    done = 0
+    try:
+        for item in items:
+            if isinstance(item, ParsedFrame):
+                yield item
+                continue
+            valid, error = valid_length(
+                item, size, path=path, done=done, size_is_option=size_is_option
+            )
+            done += valid
+            if valid:
+                yield from order.push(to_events(item.first(valid)))
+            if error is not None:
+                raise error
+    except GeneratorExit:
+        raise
+    except BaseException:
+        yield from order.finish()
+        raise
+    yield from order.finish()
 
 
 def _shifted(
@@ -234,11 +261,11 @@ def _batched(items: Iterator[Array | ParsedFrame]) -> Iterator[Array | ParsedFra
             pending.append(item)
             count += item.size
             if count >= BATCH:
-                yield np.concatenate(pending)
+                yield joined(pending)
                 pending, count = [], 0
     except BaseException:
         if pending:
-            yield np.concatenate(pending)
+            yield joined(pending)
         raise
     if pending:
-        yield np.concatenate(pending)
+        yield joined(pending)

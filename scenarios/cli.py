@@ -17,6 +17,7 @@ from scenarios.commands.envelope import Envelope
 from scenarios.commands.run import Run
 from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
+from scenarios.commands.validate import Validate
 from scenarios.commands.velocity_sweep import VelocitySweep
 from scenarios.commands.view import View
 from scenarios.output.terminal import run_cli
@@ -30,6 +31,7 @@ Commands = (
     Annotated[Run, subcommand("run")]
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Detect, subcommand("detect")]
+    | Annotated[Validate, subcommand("validate")]
     | Annotated[Emulate, subcommand("emulate")]
     | Annotated[Study, subcommand("study")]
     | Annotated[Sweep, subcommand("sweep")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sysconfig
 import traceback
 from pathlib import Path
 
@@ -20,11 +21,26 @@ class MethodError(ScenarioError):
     """A detector does not exist, or does not follow the protocol `detector.Detector`."""
 
 
-def describe(error: Exception) -> str:
-    """Return an error as one line: its class, its message, and where it was raised."""
+_LIBRARIES = tuple(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib"))
+
+
+def describe(error: BaseException) -> str:
+    """Return an error as one line: its class, its message, and where it was raised.
+
+    The place is the last one outside of installed libraries, if there is one.
+    """
     first_line, *_ = [*str(error).splitlines(), ""]
     text = f"{type(error).__name__}: {first_line}"
-    if isinstance(error, SyntaxError):  # its message names file and line
+    places = traceback.extract_tb(error.__traceback__)
+    if isinstance(error, SyntaxError) or not places:  # the former names file and line itself
         return text
-    *_, last = traceback.extract_tb(error.__traceback__)
+    own = [place for place in places if not place.filename.startswith(_LIBRARIES)]
+    last = (own or places)[-1]
     return f"{text} ({Path(last.filename).name}, line {last.lineno})"
+
+
+def is_interrupt(error: BaseException | None) -> bool:
+    """Return True if Ctrl-C caused the error: numba turns it into a SystemError."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None

@@ -14,6 +14,7 @@ from sim.geometry.pinhole import Intrinsics, Pose, project
 from sim.motion.trajectory import Profile, Trajectory
 from sim.photometric_camera import PhotometricCamera, open_model
 from sim.preview import Preview, preview_jpegs
+from sim.render.illumination import Illumination
 from sim.scene.assets import ASSETS
 from sim.truth.dense_truth import DenseTruth
 from sim.truth.ground_truth import GroundTruth, ObjectTruth
@@ -28,6 +29,7 @@ __all__ = [
     "Distractors",
     "EventTruth",
     "GroundTruth",
+    "Illumination",
     "Intrinsics",
     "Lighting",
     "LuminanceCache",

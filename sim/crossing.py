@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.direction import Direction
+from flybench.memory import count_memory
 from sim.cache.key import luminance_key
 from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
 from sim.cache.luminance_file import LuminanceSample
@@ -28,7 +29,7 @@ from sim.geometry.rectangles import (
 from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
-from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
 from sim.scene.lamp_flicker import FlickeringLamps
@@ -82,11 +83,16 @@ class Crossing:
                 every time.
 
         Raises:
-            SceneConfigError: the lead time reaches beyond the end of the motion profile.
+            SceneConfigError: the lead time reaches beyond the end of the motion profile, or the
+                lens is not symmetric.
+            MemoryBudgetError: the image is too large for the memory budget.
         """
         return_large_blocks()
         self.config, self.cache = config, cache
-        self.intrinsics = intrinsics or Intrinsics()
+        self.intrinsics = lens = intrinsics or Intrinsics()
+        lens.require_symmetry()
+        needed = rendering_bytes(lens, config.supersample)
+        count_memory(self, f"Rendering of {lens.width}×{lens.height} px", needed)
         self.scene: Scene = build_scene(config)
         self.trajectory = self.scene.trajectory
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())

@@ -11,27 +11,25 @@ colorspace is sRGB.
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
-from functools import cached_property
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from flybench.memory import count_memory
 from sim.errors import RendererError, SceneConfigError
-from sim.geometry.pinhole import Pose
 from sim.geometry.rectangles import image_rectangle
-from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
-from sim.raster.triangles import TriangleSoup, triangle_soup
-from sim.raster.visibility import VisibilityMap, visibility_map
-from sim.render.filament import FilamentRenderer, Luminance
+from sim.raster.visibility import VisibilityMap
+from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
+from sim.render.illumination import Illumination, named_illumination
 from sim.render.luminance_model import luminance_model
 from sim.render.model_camera import camera_id, camera_intrinsics
-from sim.truth.dense_truth import RATE_STEP_S
+from sim.render.model_state import ModelState
+from sim.truth.model_truth import ModelTruth
 
 F32 = npt.NDArray[np.float32]
-F64 = npt.NDArray[np.float64]
 
 EXAMPLE_LIGHT = '<light type="directional" dir="0 0 -1" diffuse="1 1 1" intensity="1000"/>'
 """Example of a light, for error messages."""
@@ -45,6 +43,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
 
     Attributes:
         intrinsics: image size and focal length of the model's camera.
+        deforming: the model's flexes, skins, spatial tendons and slider-cranks that are rendered.
     """
 
     def __init__(
@@ -56,32 +55,43 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         height: int | None = None,
         supersample: int = 2,
         still: bool = False,
+        light: str | Illumination | None = None,
     ) -> None:
         """Set up the renderer.
 
         Args:
-            model: model with at least one light that has an intensity. Later changes to the model
-                have no effect.
+            model: model with at least one light that has an intensity, unless `light` is given.
+                Later changes to the model have no effect.
             camera: name of the camera.
             width: width of the image [px]; None: from the camera's resolution.
             height: height of the image [px]; None: from the camera's resolution.
             supersample: rendered pixels per sensor pixel and axis.
             still: True to accept a model in which nothing can move.
+            light: "daylight", "overcast", "dusk", "indoor" or "night", or an `Illumination`. It
+                replaces the model's lights and sky. None: the model's lights.
 
         Raises:
-            SceneConfigError: the model has no such camera, no light, or nothing that can move; or
-                the camera is not a central pinhole or has no image size.
+            SceneConfigError: the model has no such camera, no light, or nothing that can move; the
+                camera is orthographic or has no image size; or there is no such `light`.
             RendererError: this machine has no Vulkan device.
+            MemoryBudgetError: the image is too large for the memory budget.
         """
-        self._camera = camera_id(model, camera)
-        _check_light(model)
+        number = camera_id(model, camera)
+        illumination = None if light is None else named_illumination(light)
+        if illumination is None:
+            _check_light(model)
         if not still:
             _check_motion(model)
         self.intrinsics = camera_intrinsics(model, camera, width=width, height=height)
-        self._model, self._supersample = model, supersample
-        self._data = mujoco.MjData(model)
+        lens = self.intrinsics
+        needed = rendering_bytes(lens, supersample)
+        count_memory(self, f"Rendering of {lens.width}×{lens.height} px", needed)
+        self._supersample, self._state = supersample, ModelState(model, number)
+        grey = luminance_model(model, illumination)
+        self._truth = ModelTruth(grey, self._state, self.intrinsics)
+        self.deforming = self._truth.deforming
         self._renderer: FilamentRenderer | None = FilamentRenderer(
-            luminance_model(model), self.intrinsics
+            grey, self.intrinsics, illumination
         )
 
     def __exit__(self, *_: object) -> None:
@@ -108,20 +118,26 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
                 "The photometric camera is closed. Allowed is reading before it is closed. Read "
                 "the luminance inside the camera's with block, or make a new camera."
             )
-        self._load_state(data)
-        self._renderer.update(self._data)
+        pose = self._state.load(data)
+        self._renderer.update(self._state.data)
         image = image_rectangle(self.intrinsics)
-        return self._renderer.luminance(self._pose(), image, supersample=self._supersample)
+        return self._renderer.luminance(pose, image, supersample=self._supersample)
 
     def visible(self, data: mujoco.MjData) -> VisibilityMap:
-        """Return the rigid body that the middle of each pixel shows, and its nearness.
+        """Return what the middle of each pixel shows, and its nearness.
+
+        It counts exactly what is rendered: geoms, sites, flexes, skins and spatial tendons of the
+        groups 0 to 2 whose colour is not fully transparent, and slider-cranks. Of a translucent
+        surface and what is seen through it, the surface counts.
+
+        Returns:
+            The number of the rigid body that each pixel shows; or, where it shows `deforming[k]`,
+            the number of bodies of the model plus k.
 
         Raises:
-            SceneConfigError: the model has a geom without triangles, such as a height field; or
-                `data` belongs to another model.
+            SceneConfigError: `data` belongs to another model; or its tendons have too many parts.
         """
-        self._load_state(data)
-        return visibility_map(self._soup, body_poses(self._data), self._pose(), self.intrinsics)
+        return self._truth.visible(data)
 
     def depth_m(self, data: mujoco.MjData) -> F32:
         """(height, width) float32 depth along the optical axis [m]; infinite for the sky."""
@@ -134,45 +150,10 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         have no velocity.
 
         Returns:
-            (height, width, 2) float32, x and y [px/s].
+            (height, width, 2) float32, x and y [px/s]. NaN on a tendon in the millisecond in which
+            it both begins and ceases to touch a geom.
         """
-        before, now, after = (
-            self._poses_in_camera(data, ahead_s) for ahead_s in (-RATE_STEP_S, 0.0, RATE_STEP_S)
-        )
-        twists = flow.twists_between(before, now, after, 2 * RATE_STEP_S)
-        return flow.flow_px_s(self.visible(data), twists, self.intrinsics)
-
-    @cached_property
-    def _soup(self) -> TriangleSoup:
-        return triangle_soup(self._model)
-
-    def _poses_in_camera(self, data: mujoco.MjData, ahead_s: float) -> F64:
-        """(bodies, 3, 4) transforms from each body's frame to the camera's, `ahead_s` later."""
-        self._load_state(data, ahead_s)
-        return compose_transforms(body_poses(self._data), self._pose().world_to_camera)
-
-    def _load_state(self, data: mujoco.MjData, ahead_s: float = 0.0) -> None:
-        """Compute all poses from the joint positions in `data`, moved on by `ahead_s`.
-
-        The poses in `data` cannot be used: after `mj_step` they are those of the step before.
-        """
-        if data.qpos.shape != self._data.qpos.shape:
-            raise SceneConfigError(
-                f"data has {data.qpos.size} positions. Allowed is {self._data.qpos.size}, as in "
-                "the camera's model. Make the data with mujoco.MjData(model)."
-            )
-        own = self._data
-        own.qpos[:] = data.qpos
-        own.mocap_pos[:], own.mocap_quat[:] = data.mocap_pos, data.mocap_quat
-        mujoco.mj_integratePos(self._model, own.qpos, data.qvel, ahead_s)
-        mujoco.mj_kinematics(self._model, own)
-        mujoco.mj_comPos(self._model, own)
-        mujoco.mj_camlight(self._model, own)
-
-    def _pose(self) -> Pose:
-        axes = self._data.cam_xmat[self._camera].reshape(3, 3)
-        position_m = self._data.cam_xpos[self._camera].copy()
-        return Pose(position_m, right=axes[:, 0].copy(), up=axes[:, 1].copy())
+        return self._truth.flow_px_s(data)
 
 
 def open_model(path: str | Path) -> mujoco.MjModel:
@@ -196,7 +177,7 @@ def _check_light(model: mujoco.MjModel) -> None:
         raise SceneConfigError(
             f"none of the model's {model.nlight} lights has an intensity, so the luminance in "
             "cd/m² is 0. Allowed is at least one intensity above 0, in lux for a directional light "
-            f"or in candela for a spot. Add {EXAMPLE_LIGHT}."
+            f'or in candela for a spot. Add {EXAMPLE_LIGHT}, or pass light="daylight".'
         )
 
 

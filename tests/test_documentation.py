@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PAGES = (
     "docs/limits.md",
+    "docs/real-recordings.md",
     "README.md",
     "sim/README.md",
     "emulator/README.md",

@@ -130,6 +130,11 @@ class FlyConfig:
         return tuple(d // self.hop_us for d in (self.delay_us, *self.further_delays_us))
 
     @property
+    def memory_us(self) -> int:
+        """Age of the oldest event in an estimate: window plus longest delay [µs]."""
+        return (self.window_hops + max(self.delays_hops)) * self.hop_us
+
+    @property
     def offsets_cells(self) -> tuple[int, ...]:
         """Correlation distances [cells]."""
         if self.offsets is Offsets.DOUBLING:
@@ -192,11 +197,10 @@ class FlyConfig:
                 f"{_LONGEST_TAUS * self.tau_us} µs or less, since older events have no weight. "
                 "Choose a shorter window."
             )
-        remembered_us = hops * self.hop_us
-        if self.quiet_limit_us < remembered_us:
+        if self.quiet_limit_us < self.memory_us:
             raise DetectorConfigError(
                 f"quiet_limit_us is {self.quiet_limit_us} µs. Allowed is window_us + the longest "
-                f"delay = {remembered_us} µs or more. Choose a longer limit."
+                f"delay = {self.memory_us} µs or more. Choose a longer limit."
             )
 
 

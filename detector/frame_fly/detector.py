@@ -29,10 +29,14 @@ from detector.frame_fly.pathways import (
     spatial_difference,
 )
 from flybench.events import Events
+from flybench.memory import count_memory
 
 __all__ = ["FrameFly", "FrameFlyConfig"]
 
 F32 = npt.NDArray[np.float32]
+
+_BYTES_PER_PX = 100
+"""Memory per pixel with cells of 1 px (measured: 92; larger cells need less) [bytes]."""
 
 
 class FrameFly:
@@ -44,6 +48,10 @@ class FrameFly:
     Operating range: the correlators respond to motion by 2 to 6 cells a frame, and by a little more
     if the pattern is coarse. That is 80 to 240 px/s at 40 frames per second, and 20 to 60 px/s at
     10. With the preset "coarse", speeds are three times as high.
+
+    Attributes:
+        config: parameters.
+        memory_us: longest time constant of the delays [µs].
     """
 
     def __init__(
@@ -58,6 +66,7 @@ class FrameFly:
 
         Raises:
             DetectorConfigError: the sensor is smaller than the shortest correlation distance.
+            MemoryBudgetError: the sensor is too large for the memory budget.
         """
         self.config = c = config or FrameFlyConfig()
         least = (min(c.offsets_cells) + 1) * c.cell_px
@@ -66,6 +75,9 @@ class FrameFly:
                 f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
                 f"cells of {c.cell_px} px and offsets_cells = {c.offsets_cells}. Lower these."
             )
+        needed = _BYTES_PER_PX * width * height
+        count_memory(self, f"A frame-based fly of {width}×{height} px", needed)
+        self.memory_us = max(c.delays_us)
         self._width, self._height = width, height
         grid = height // c.cell_px, width // c.cell_px
         self._centre = gaussian_kernel(c.kernel_centre_cells, c.sigma_centre_cells)

@@ -65,6 +65,12 @@ _CHIPS = {
 """Chips by a regular expression for the name of their class in jAER."""
 
 
+_CREATED = re.compile(
+    r"^# ?(?:creation date: |creation time: (?!system)|created (?=.*\d))(.+)", re.I | re.M
+)
+"""Line with the date: of jAER today, of v2e, and of jAER before 2013 and MATLAB scripts."""
+
+
 def read(path: Path, options: ReadOptions) -> ParsedFile:
     """Read contrast events; frame samples and inertial (IMU) samples are skipped.
 
@@ -84,7 +90,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
             f"its sensor with --size. Allowed is one of {sizes}."
         )
     facts = {"chip": name} if name else {}
-    created = re.search(r"created (.+)", header)
+    created = _CREATED.search(header)
     facts |= {"created": created[1].strip()} if created else {}
     return FileHeader(chip.size, facts), _items(path, start, chip)
 
@@ -97,7 +103,7 @@ def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
             count = len(block) // _RECORD.itemsize
             records = np.frombuffer(block, _RECORD, count=count)
             records = records[(records["address"] & chip.other) == 0]
-            t, wraps, last = _unwrap(records["t"].astype(np.int64), wraps, last)
+            t, wraps, last = unwrap(records["t"].astype(np.int64), wraps, last)
             yield _columns(records["address"].astype(np.int64), t, chip)
             if len(block) % _RECORD.itemsize:
                 at = path.stat().st_size
@@ -108,7 +114,7 @@ def _items(path: Path, start: int, chip: Chip) -> Iterator[ParsedItem]:
                 )
 
 
-def _unwrap(t: Array, wraps: int, last: int) -> tuple[Array, int, int]:
+def unwrap(t: Array, wraps: int, last: int) -> tuple[Array, int, int]:
     """Extend 32-bit timestamps: a step back by more than half their range is a wrap-around.
 
     Args:

@@ -1,15 +1,17 @@
-"""NumPy files: a structured array, or one array per column; read in blocks of rows."""
+"""NumPy files: a structured array, a table, or one array per column; read in blocks of rows."""
 
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
+from formats.column_order import column_order
 from formats.columns import (
     Array,
     EventColumns,
@@ -18,7 +20,6 @@ from formats.columns import (
     ParsedItem,
     ReadOptions,
     Size,
-    to_microseconds,
 )
 from formats.errors import FormatError
 
@@ -92,14 +93,14 @@ def match_columns(names: Mapping[str, Any] | tuple[str, ...]) -> dict[str, str] 
 
 
 def read_npy(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read a structured array of events, or an array with the four columns t, x, y, p."""
+    """Read a structured array of events, or an array with four columns."""
     file = path.open("rb")
     stream = NpyStream(file, path, path.stat().st_size)
-    return FileHeader(None, _array_facts(stream)), _from_one(path, stream, options)
+    return _from_one(path, stream, None, _array_facts(stream), options)
 
 
 def read_npz(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read an archive of arrays t, x, y and p, or of one structured array.
+    """Read an archive of arrays t, x, y and p, or of one array as in a `.npy` file.
 
     Arrays `width` and `height`, if present, are the size of the sensor.
     """
@@ -109,16 +110,32 @@ def read_npz(path: Path, options: ReadOptions) -> ParsedFile:
     wanted = match_columns(members)
     if wanted is not None:
         facts = {"arrays": " ".join(wanted.values())}
-        return FileHeader(size, facts), _from_columns(path, archive, members, wanted, options)
+        header = FileHeader(size, facts, time_unit=None)
+        check_no_order(path, options)
+        return header, _from_columns(path, archive, members, wanted)
     for info in members.values():
         stream = NpyStream(_member(archive, info), path, info.file_size)
-        if stream.dtype.names and match_columns(stream.dtype.names) is not None:
+        if _is_table(stream) or match_columns(stream.dtype.names or ()) is not None:
             facts = {"array": info.filename} | _array_facts(stream)
-            return FileHeader(size, facts), _from_one(path, stream, options)
+            return _from_one(path, stream, size, facts, options)
     raise FormatError(
         f"{path} contains the arrays {', '.join(members) or 'none'}. Allowed are arrays t, x, y "
-        "and p, or one structured array with these fields. Save it in one of these forms."
+        "and p, one structured array with these fields, or one array with four columns. Save it in "
+        "one of these forms."
     )
+
+
+def check_no_order(path: Path, options: ReadOptions) -> None:
+    """Check that the user states no order of columns for a file that names its columns.
+
+    Raises:
+        FormatError: the user does.
+    """
+    if options.columns is not None:
+        raise FormatError(
+            f"--columns is {options.columns}, but {path} names its columns. Allowed is --columns "
+            "for columns without names. Leave --columns out."
+        )
 
 
 def _array_facts(stream: NpyStream) -> dict[str, str]:
@@ -142,22 +159,47 @@ def _size_in(
     return width, height
 
 
-def _from_one(path: Path, stream: NpyStream, options: ReadOptions) -> Iterator[ParsedItem]:
-    names = match_columns(stream.dtype.names) if stream.dtype.names else None
-    plain = stream.dtype.names is None and len(stream.shape) == 2 and stream.shape[1] == 4
-    if names is None and not plain:
+def _is_table(stream: NpyStream) -> bool:
+    is_number = stream.dtype.kind in "iuf"
+    return is_number and len(stream.shape) == 2 and stream.shape[1] == 4
+
+
+def _from_one(
+    path: Path, stream: NpyStream, size: Size | None, facts: dict[str, str], options: ReadOptions
+) -> ParsedFile:
+    names = match_columns(stream.dtype.names or ())
+    if names is not None:
+        check_no_order(path, options)
+        columns = _named_columns(stream, names)
+        return FileHeader(size, facts, time_unit=None), columns
+    if not _is_table(stream):
         raise FormatError(
             f"{path} contains an array of shape {stream.shape} and dtype {stream.dtype}. Allowed "
-            "is a structured array with the fields t, x, y and p, or 4 columns t, x, y, p. Save it "
-            "in one of these forms."
+            "is a structured array with the fields t, x, y and p, or an array with four columns. "
+            "Save it in one of these forms. For pictures, use flybench emulate."
         )
-    while (block := stream.block()).shape[0]:
-        if names is not None:
-            columns = {column: block[name] for column, name in names.items()}
-        else:
-            columns = dict(zip("txyp", block.T, strict=True))
-        t = to_microseconds(columns["t"], options.time_unit, path=path)
-        yield EventColumns(t, columns["x"], columns["y"], columns["p"])
+    first = stream.block()
+    order = "txyp"
+    if len(first):
+        order, source = column_order(first, options.columns, options.size or size, path=path)
+        facts = facts | {"columns": f"{' '.join(order)}, {source}"}
+    header = FileHeader(size, facts, time_unit=None)
+    return header, _table_columns(chain([first], _blocks(stream)), order)
+
+
+def _blocks(stream: NpyStream) -> Iterator[Array]:
+    while len(block := stream.block()):
+        yield block
+
+
+def _named_columns(stream: NpyStream, names: Mapping[str, str]) -> Iterator[ParsedItem]:
+    for block in _blocks(stream):
+        yield EventColumns(*(block[names[column]] for column in "txyp"))
+
+
+def _table_columns(blocks: Iterable[Array], order: str) -> Iterator[ParsedItem]:
+    for block in blocks:
+        yield EventColumns(*(block[:, order.index(column)] for column in "txyp"))
 
 
 def _from_columns(
@@ -165,7 +207,6 @@ def _from_columns(
     archive: zipfile.ZipFile,
     members: Mapping[str, zipfile.ZipInfo],
     wanted: Mapping[str, str],
-    options: ReadOptions,
 ) -> Iterator[ParsedItem]:
     with ExitStack() as stack:
         streams = {}
@@ -179,5 +220,4 @@ def _from_columns(
                 "one-dimensional arrays of equal length. Save it again."
             )
         while (t := streams["t"].block()).size:
-            x, y, p = (streams[name].block() for name in "xyp")
-            yield EventColumns(to_microseconds(t, options.time_unit, path=path), x, y, p)
+            yield EventColumns(t, *(streams[name].block() for name in "xyp"))

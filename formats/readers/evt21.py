@@ -15,14 +15,13 @@ import numpy as np
 from formats.columns import (
     Array,
     EventColumns,
-    FileHeader,
     ParsedFile,
     ParsedItem,
     ReadOptions,
-    Size,
 )
 from formats.errors import FormatError
 from formats.identify import percent_header
+from formats.readers.prophesee import file_header
 
 _OFF, _ON, _TIME_HIGH = 0, 1, 8
 _KINDS = (_OFF, _ON, _TIME_HIGH, 0xA, 0xE, 0xF)
@@ -48,14 +47,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
         swapped = not swapped
     order = "swapped" if swapped else "in order"
     shown = {"format": facts.get("format", "EVT21"), "halves": order}
-    return FileHeader(_size(form, facts), shown), _items(path, start, swapped)
-
-
-def _size(form: dict[str, str], facts: dict[str, str]) -> Size | None:
-    width, height = form.get("width", ""), form.get("height", "")
-    if not (width.isdigit() and height.isdigit()):
-        width, _, height = facts.get("geometry", "").partition("x")
-    return (int(width), int(height)) if width.isdigit() and height.isdigit() else None
+    return file_header(facts, shown), _items(path, start, swapped)
 
 
 def _words(data: bytes) -> Array:
@@ -90,11 +82,7 @@ def _decode(words: Array, high: int) -> tuple[EventColumns, int]:
     """Return the events in a block of words, and the high part of the time after it."""
     kinds = (words >> np.uint64(60)).astype(np.int64)
     highs = ((words >> np.uint64(32)) & np.uint64(_TIME_PERIOD - 1)).astype(np.int64)
-    marks = np.flatnonzero(kinds == _TIME_HIGH)
-    times = np.concatenate([[high], highs[marks]])
-    times[1:] += high // _TIME_PERIOD * _TIME_PERIOD
-    times += _TIME_PERIOD * np.cumsum(np.diff(times, prepend=high) < -(_TIME_PERIOD // 2))
-    now = times[np.searchsorted(marks, np.arange(words.size), side="right")]
+    now, high = high_times(kinds, highs, high)
     chosen = np.flatnonzero((kinds == _OFF) | (kinds == _ON))
     word = words[chosen]
     valid = np.unpackbits(
@@ -106,4 +94,22 @@ def _decode(words: Array, high: int) -> tuple[EventColumns, int]:
     fields = (word >> np.uint64(32)).astype(np.int64)
     t = (now[chosen] << 6) | ((fields >> 22) & 0x3F)
     x = ((fields >> 11) & 0x7FF)[at] + bit
-    return EventColumns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), int(times[-1])
+    return EventColumns(t[at], x, (fields & 0x7FF)[at], kinds[chosen][at] == _ON), high
+
+
+def high_times(kinds: Array, highs: Array, high: int) -> tuple[Array, int]:
+    """Return the high part of the time at each word of EVT 2.0 or 2.1, and after the last.
+
+    A step back by more than half the period is an overflow of the clock; a smaller one is an event
+    out of order, and stays one.
+
+    Args:
+        kinds: type of each word.
+        highs: the 28 bits of each word that are a time if the word is of that type.
+        high: high part of the time before the words, extended by the overflows so far.
+    """
+    marks = np.flatnonzero(kinds == _TIME_HIGH)
+    times = np.concatenate([[high], highs[marks]])
+    times[1:] += high // _TIME_PERIOD * _TIME_PERIOD
+    times += _TIME_PERIOD * np.cumsum(np.diff(times, prepend=high) < -(_TIME_PERIOD // 2))
+    return times[np.searchsorted(marks, np.arange(kinds.size), side="right")], int(times[-1])

@@ -5,7 +5,7 @@
 | DSEC, TUM-VIE | `events/{t,x,y,p}`, µs, with `t_offset` |
 | M3ED | `prophesee/left/{t,x,y,p}`, µs |
 | e2vid and related | `events/{ts,xs,ys,ps}`, s, with `sensor_resolution` |
-| MVSEC | `davis/left/events`, rows of x, y, t [s], p = ±1 |
+| MVSEC, v2e | `davis/left/events` or `events`, rows of four columns |
 | Metavision | `CD/events`, fields x, y, p, t, µs, compressed by ECF |
 """
 
@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from formats.column_order import ROWS, column_order
 from formats.columns import (
     Array,
     EventColumns,
@@ -28,10 +29,10 @@ from formats.columns import (
     ParsedItem,
     ReadOptions,
     Size,
-    to_microseconds,
 )
 from formats.errors import FormatError, MissingLibraryError
-from formats.readers.arrays import COLUMN_ALIASES, match_columns
+from formats.readers.arrays import COLUMN_ALIASES, check_no_order, match_columns
+from formats.readers.hdf5_links import check_storage, children, find
 
 _BLOCK = 1 << 17
 _BLOCK_BYTES_MAX = 1 << 27
@@ -51,12 +52,13 @@ class EventLocation:
     Attributes:
         name: path of their group or data set in the file.
         columns: data set of each of t, x, y and p.
-        take: function that returns the column of a given name from rows of its data set.
+        take: function that returns the column of a given name from rows of its data set; None: the
+            data set is a table whose columns have no names.
     """
 
     name: str
     columns: dict[str, Any]
-    take: Callable[[str, Array], Array]
+    take: Callable[[str, Array], Array] | None
 
 
 def read(path: Path, options: ReadOptions) -> ParsedFile:
@@ -70,6 +72,8 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     try:
         file = h5py.File(path, rdcc_nbytes=_CACHE_BYTES)
         locations = _locations(file)
+    except FormatError:
+        raise
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise FormatError(
             f"{path} is truncated or damaged ({_first_line(error)}). Copy it again from where it "
@@ -89,7 +93,29 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     offset_us = _offset_us(file)
     if offset_us:
         facts["t_offset"] = f"{offset_us} µs"
-    return FileHeader(_size(file, chosen), facts), _items(path, chosen, options)
+    size = _size(file, chosen)
+    if chosen.take is None:
+        chosen, facts["columns"] = _with_order(path, chosen, options, size)
+    else:
+        check_no_order(path, options)
+    unit, source = _unit(file, chosen)
+    header = FileHeader(size, facts, time_unit=unit, unit_source=source)
+    return header, _items(path, chosen)
+
+
+def _with_order(
+    path: Path, table: EventLocation, options: ReadOptions, size: Size | None
+) -> tuple[EventLocation, str]:
+    """Return a table with the function that takes its columns, and what its order is."""
+    try:
+        rows = table.columns["t"][:ROWS]
+    except (OSError, RuntimeError, ValueError) as error:
+        raise _damaged(path, table, 0, ROWS, error) from error
+    if not len(rows):
+        return replace(table, take=lambda _, rows: rows[:, 0]), "without any row"
+    order, source = column_order(rows, options.columns, options.size or size, path=path)
+    take = replace(table, take=lambda column, rows: rows[:, order.index(column)])
+    return take, f"{' '.join(order)}, {source}"
 
 
 def _register_filters() -> None:
@@ -118,20 +144,21 @@ def _locations(file: Any) -> list[EventLocation]:
 
 def _location(name: str, item: Any) -> EventLocation | None:
     if isinstance(item, h5py.Group):
-        names = match_columns(tuple(k for k, v in item.items() if isinstance(v, h5py.Dataset)))
+        data_sets = {k: v for k, v in children(item) if isinstance(v, h5py.Dataset)}
+        names = match_columns(tuple(data_sets))
         if names is None:
             return None
-        columns = {column: item[names[column]] for column in COLUMN_ALIASES}
+        columns = {column: data_sets[names[column]] for column in COLUMN_ALIASES}
         if any(data.ndim != 1 for data in columns.values()):
             return None
         return EventLocation(name, columns, lambda _, rows: rows)
+    check_storage(item)
     one_data_set = dict.fromkeys(COLUMN_ALIASES, item)
     fields = match_columns(item.dtype.names) if item.dtype.names else None
     if fields is not None and item.ndim == 1:
         return EventLocation(name, one_data_set, lambda column, rows: rows[fields[column]])
     if name.split("/")[-1] == "events" and item.ndim == 2 and item.shape[1] == 4:
-        at = {column: i for i, column in enumerate("xytp")}
-        return EventLocation(name, one_data_set, lambda column, rows: rows[:, at[column]])
+        return EventLocation(name, one_data_set, None)
     return None
 
 
@@ -171,7 +198,7 @@ def _check_filters(path: Path, data: Any) -> None:
 
 
 def _offset_us(file: Any) -> int:
-    offset = file.get("t_offset")
+    offset = find(file, "t_offset")
     with suppress(TypeError, ValueError):
         return int(offset[()]) if isinstance(offset, h5py.Dataset) else 0
     return 0
@@ -179,7 +206,7 @@ def _offset_us(file: Any) -> int:
 
 def _size(file: Any, location: EventLocation) -> Size | None:
     """Return the size of the sensor, if it is stored where one of the data sets has it [px]."""
-    holder = file[location.name]
+    holder = find(file, location.name)
     group = holder if isinstance(holder, h5py.Group) else holder.parent
     for item in (holder, group, file):
         attributes = dict(item.attrs)
@@ -192,7 +219,7 @@ def _size(file: Any, location: EventLocation) -> Size | None:
             sides = _as_text(attributes["geometry"]).lower().split("x")
             return int(sides[0]), int(sides[1])
     with suppress(KeyError, TypeError, ValueError, IndexError):
-        width, height = (int(side) for side in group["calib/resolution"][:2])
+        width, height = (int(side) for side in find(group, "calib/resolution")[:2])
         return width, height
     return None
 
@@ -201,7 +228,9 @@ def _as_text(value: Any) -> str:
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-def _items(path: Path, location: EventLocation, options: ReadOptions) -> Iterator[ParsedItem]:
+def _items(path: Path, location: EventLocation) -> Iterator[ParsedItem]:
+    take = location.take
+    assert take is not None
     data_sets = location.columns.values()
     count = location.columns["t"].shape[0]
     rows = max(_BLOCK, *(data.chunks[0] if data.chunks else 0 for data in data_sets))
@@ -217,19 +246,32 @@ def _items(path: Path, location: EventLocation, options: ReadOptions) -> Iterato
                 if id(data) not in blocks:
                     blocks[id(data)] = data[start : start + rows]
             except (OSError, RuntimeError, ValueError) as error:
-                raise FormatError(
-                    f"{path} is damaged in {location.name} between events {start} and "
-                    f"{min(start + rows, count)} ({_first_line(error)}). Copy it again."
-                ) from error
-            columns[name] = location.take(name, blocks[id(data)])
-        t = to_microseconds(columns["t"], options.time_unit or _unit(location), path=path)
-        yield EventColumns(t, columns["x"], columns["y"], columns["p"])
+                end = min(start + rows, count)
+                raise _damaged(path, location, start, end, error) from error
+            columns[name] = take(name, blocks[id(data)])
+        yield EventColumns(columns["t"], columns["x"], columns["y"], columns["p"])
 
 
-def _unit(location: EventLocation) -> str | None:
+def _damaged(
+    path: Path, location: EventLocation, start: int, end: int, error: Exception
+) -> FormatError:
+    return FormatError(
+        f"{path} is damaged in {location.name} between events {start} and {end} "
+        f"({_first_line(error)}). Copy it again."
+    )
+
+
+def _unit(file: Any, location: EventLocation) -> tuple[str | None, str]:
+    """Return the unit of the timestamps that the file states, and what states it."""
     attributes = location.columns["t"].attrs
     unit = _as_text(attributes.get("unit", attributes.get("units", ""))).replace("µ", "u")
-    return unit if unit in ("s", "ms", "us", "ns") else None
+    if unit in ("s", "ms", "us", "ns"):
+        return unit, "from the attribute of the times"
+    if isinstance(file.get("ms_to_idx"), h5py.Dataset):
+        return "us", "as DSEC defines"
+    if location.name == "CD/events":
+        return "us", "as Metavision defines"
+    return None, ""
 
 
 def _first_line(error: Exception) -> str:

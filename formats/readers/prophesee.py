@@ -1,4 +1,4 @@
-"""Prophesee RAW (EVT 2.0 and 3.0) and DAT, decoded by faery."""
+"""What Prophesee's formats have in common, and RAW EVT 3.0, decoded by faery."""
 
 from __future__ import annotations
 
@@ -8,85 +8,110 @@ from typing import Any
 
 import numpy as np
 
-from formats.columns import EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
+from formats.columns import Array, EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
 from formats.errors import FormatError, MissingLibraryError
-from formats.identify import percent_header
+from formats.identify import percent_header, prophesee_format
+from formats.prophesee_sensors import possible_sizes, stated_size
 
 _HEADER_MAX = 1 << 20
-_WORD_BYTES = {"evt2": 4, "evt3": 2}
-_DAT_BYTES = 8
-_SHOWN = ("date", "sensor_name", "integrator_name", "plugin_name", "serial_number", "format", "evt")
+_BLOCK = 1 << 17
+_EVT3_BYTES = 2
+_LARGEST = (1 << 11, 1 << 11)
+"""Size that the bits of a coordinate of EVT 3.0 allow [px]."""
 
-
-def read_evt2(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read EVT 2.0: 4-byte words."""
-    return _read_evt(path, options, "evt2")
+_SHOWN = (
+    "date", "sensor_name", "integrator_name", "plugin_name", "system_id", "serial_number", "format",
+    "evt", "version",
+)  # fmt: skip
 
 
 def read_evt3(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read EVT 3.0: 2-byte words."""
-    return _read_evt(path, options, "evt3")
+    """Read EVT 3.0: 2-byte words.
 
-
-def read_dat(path: Path, options: ReadOptions) -> ParsedFile:
-    """Read DAT: a header, two bytes with the type and size of an event, and 8 bytes an event."""
-    facts, start = _header(path)
-    decoder = _decoder("dat", path, options, None)
-    if decoder.event_type not in ("2d", "cd"):
-        raise FormatError(
-            f"{path} contains events of the type {decoder.event_type}. Allowed is CD (contrast "
-            "detection). Give the file of CD events."
-        )
-    shown = _shown(facts) | {"version": str(decoder.version)}
-    packets = ((packet, packet["payload"] > 0) for packet in decoder)
-    return FileHeader(decoder.dimensions, shown), _checked(path, packets, start + 2, _DAT_BYTES)
-
-
-def _read_evt(path: Path, options: ReadOptions, version: str) -> ParsedFile:
-    facts, start = _header(path)
-    decoder = _decoder("evt", path, options, version)
-    if decoder.version != version:
-        raise FormatError(
-            f"{path} states the format {decoder.version}, but --format is {version}. Leave "
-            "--format out."
-        )
-    packets = (
-        (packet["events"], packet["events"]["on"]) for packet in decoder if "events" in packet
-    )
-    return FileHeader(decoder.dimensions, _shown(facts)), _checked(
-        path, packets, start, _WORD_BYTES[version]
-    )
-
-
-def _decoder(module: str, path: Path, options: ReadOptions, version: str | None) -> Any:
+    Raises:
+        FormatError: the header states another format.
+        MissingLibraryError: faery is not installed.
+    """
+    del options
+    facts, start = check_version(path, "evt3")
     try:
         import faery
     except ImportError as error:
-        raise MissingLibraryError("faery", "a Prophesee file") from error
-    try:
-        return getattr(faery.file_decoder, module).Decoder(path, options.size, version)
-    except RuntimeError as error:
-        if "no size information" not in str(error):
-            raise
+        raise MissingLibraryError("faery", "a Prophesee RAW file, EVT 3.0") from error
+    decoder = faery.file_decoder.evt.Decoder(path, _LARGEST, "evt3")
+    packets = (packet["events"] for packet in decoder if "events" in packet)
+    return file_header(facts, shown_facts(facts)), _evt3_items(path, packets, start)
+
+
+def check_version(path: Path, version: str) -> tuple[dict[str, str], int]:
+    """Return the header of a RAW file and its length, if it does not state another version.
+
+    Raises:
+        FormatError: it does.
+    """
+    facts, start = percent_facts(path)
+    stated = prophesee_format(facts)
+    if stated not in ("", version):
         raise FormatError(
-            f"{path} does not state the size of its sensor. State it with --size, such as --size "
-            "1280x720."
-        ) from error
+            f"{path} states the format {stated}, but --format is {version}. Leave --format out."
+        )
+    return facts, start
 
 
-def _header(path: Path) -> tuple[dict[str, str], int]:
+def percent_facts(path: Path) -> tuple[dict[str, str], int]:
+    """Return the values of a header by keyword in lower case, and its length [bytes]."""
     with path.open("rb") as file:
         return percent_header(file.read(_HEADER_MAX))
 
 
-def _shown(facts: dict[str, str]) -> dict[str, str]:
+def shown_facts(facts: dict[str, str]) -> dict[str, str]:
+    """Return the values of a header that are displayed."""
     return {name: facts[name] for name in _SHOWN if facts.get(name)}
 
 
-def _checked(path: Path, packets: Any, start: int, word: int) -> Iterator[ParsedItem]:
-    """Yield the events of each packet, then check that the file ends after a complete word."""
-    for events, on in packets:
-        yield EventColumns(events["t"].astype(np.int64), events["x"], events["y"], on)
+def file_header(facts: dict[str, str], shown: dict[str, str]) -> FileHeader:
+    """Return the header of a Prophesee file; the size of the sensor is stated, implied or unknown.
+
+    Args:
+        facts: values of the header by keyword in lower case.
+        shown: those to be displayed.
+    """
+    found = stated_size(facts)
+    if found is None:
+        return FileHeader(None, shown, possible_sizes=possible_sizes(facts))
+    return FileHeader(found[0], shown, size_source=found[1])
+
+
+def read_words(path: Path, start: int, word: np.dtype[Any]) -> Iterator[Array]:
+    """Yield the words of a file in blocks, then check that it ends after a complete word.
+
+    Args:
+        path: path of the file.
+        start: position of the first word [bytes].
+        word: dtype of a word.
+    """
+    with path.open("rb") as file:
+        file.seek(start)
+        while data := file.read(_BLOCK * word.itemsize):
+            yield np.frombuffer(data, word, count=len(data) // word.itemsize)
+    _check_end(path, start, word.itemsize)
+
+
+def _evt3_items(path: Path, packets: Iterator[Any], start: int) -> Iterator[ParsedItem]:
+    try:
+        for events in packets:
+            yield EventColumns(events["t"].astype(np.int64), events["x"], events["y"], events["on"])
+    except RuntimeError as error:
+        if "overflow" not in str(error):
+            raise
+        raise FormatError(
+            f"{path} states a size of its sensor that is too small: {error}. Allowed are events "
+            "on the sensor. Correct the width and height in its header."
+        ) from error
+    _check_end(path, start, _EVT3_BYTES)
+
+
+def _check_end(path: Path, start: int, word: int) -> None:
     length = path.stat().st_size
     extra = (length - start) % word
     if length < start or extra:

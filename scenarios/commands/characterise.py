@@ -11,7 +11,6 @@ from typing import Annotated, Any
 
 import tyro
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
 from emulator.characterisation import Datasheet, characterise
@@ -22,6 +21,7 @@ from scenarios.datasheet.page import render_page
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.output.versions import versions
 
@@ -66,7 +66,7 @@ class Characterise:
             wall_s = time.perf_counter() - start_s
             write_sheet(work, sheet, changes=self.sensor.changes(), wall_s=wall_s)
         print_sheet(sheet)
-        print(f"{folder / PAGE}   all experiments took {wall_s:.1f} s")
+        say(f"{folder / PAGE}   all experiments took {wall_s:.1f} s")
         return 0
 
 
@@ -91,7 +91,7 @@ def write_sheet(work: Path, sheet: Datasheet, *, changes: Mapping[str, Any], wal
 
 def print_sheet(sheet: Datasheet) -> None:
     """Print each experiment as a table of measured and published figures."""
-    console = Console()
+    console = SafeConsole()
     width = min(_WIDTH, console.width)
     shows_sources = width >= _WIDTH
     for section in sheet.sections.values():

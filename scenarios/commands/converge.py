@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from flybench.direction import Direction
@@ -16,6 +15,7 @@ from scenarios.convergence.measure import COLUMNS, RENDERINGS, measure_convergen
 from scenarios.errors import ScenarioError
 from scenarios.options.distractors import DistractorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.output.versions import versions
@@ -67,7 +67,7 @@ class Converge:
             write_summary(
                 work, {"command": "converge", "parameters": parameters, "versions": versions()}
             )
-        print(f"wrote {self.out}")
+        say(f"wrote {self.out}")
         return 0
 
     def _measure(self) -> list[tuple[Any, ...]]:
@@ -108,7 +108,7 @@ def print_rows(rows: list[tuple[Any, ...]]) -> None:
             " / ".join(f"{100 * share:.0f}" for share in matched) + " %",
             f"{median:.0f} µs",
         )
-    Console().print(table)
+    SafeConsole().print(table)
 
 
 if __name__ == "__main__":

@@ -11,11 +11,11 @@ import tyro
 from scenarios.commands.run import LOGS, Run
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import check_output_folder
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import estimated_bytes, record_run
+from scenarios.runs.sequence import estimated_bytes, failures, record_run
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Demo:
                 for folder, config in runs
             ]
         print_runs(summaries)
-        return 0
+        return report_failures(reason for _, summary in summaries for reason in failures(summary))
 
 
 if __name__ == "__main__":

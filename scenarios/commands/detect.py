@@ -2,46 +2,50 @@
 
 from __future__ import annotations
 
-import re
-import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
 from detector.estimate import FrameDetector
-from formats import FORMATS, EventFile, open_events
+from formats import EventFile, FormatError
 from scenarios.commands.view import is_recording
 from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, EstimateTable
 from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice, run_detector
-from scenarios.detect.verdict import RecordingVerdict
+from scenarios.detect.spans import LEAST_SPAN_US
+from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us, percent
 from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
+from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.atomic_folder import EVENTS
-from scenarios.output.terminal import run_cli
-from scenarios.pipeline.feeding import fly_maps
+from scenarios.output.streams import SafeConsole, own_output
+from scenarios.output.terminal import report_failures, run_cli
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
-
-_SIZE = re.compile(r"(\d{1,5})[x×](\d{1,5})")
-_FROM_FILE = "(default: from the file, or inferred from its values)"
 
 
 @dataclass(frozen=True)
 class Detect:
     """Detect the direction of motion in a recording of any event camera."""
 
-    file: Annotated[Path, tyro.conf.Positional]
-    """Recording to read, or the folder of a flybench run."""
+    file: Annotated[
+        Path,
+        tyro.conf.Positional,
+        tyro.conf.arg(
+            help="Recording to read, or the folder of a flybench run. The verdict is a direction "
+            f"if at least {percent(LEAST_SHARE)} of the steps that name one name it (assumed), "
+            f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). scenarios/README.md "
+            "gives all its limits."
+        ),
+    ]
     method: MethodName = FLY
     json: bool = False
     """Print one JSON document with estimates, verdict and file statistics instead of tables."""
@@ -59,57 +63,54 @@ class Detect:
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
     """Factor for all times of the detector, 0.001 to 1000; above 1 for slower motion."""
-    size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint=_FROM_FILE)] = None
-    """Sensor size [px], such as 346x260, if the file does not state it, or states a wrong size."""
-    format: Annotated[
-        str | None,
-        tyro.conf.arg(
-            metavar="NAME",
-            help=f"Format of the file, if it is not recognised: {', '.join(FORMATS)}.",
-            help_behavior_hint="(default: recognised by the file's first bytes)",
-        ),
-    ] = None
-    time_unit: Annotated[
-        str | None, tyro.conf.arg(metavar="s|ms|us|ns", help_behavior_hint=_FROM_FILE)
-    ] = None
-    """Unit of the timestamps, if a text, HDF5 or NumPy file does not state it or is wrong."""
+    input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
         """Read the recording and print the estimates and the verdict."""
-        events_of_run = self.file / EVENTS
-        path = events_of_run if events_of_run.is_file() else self.file
+        path = events_file(self.file)
         self._check_outputs(path)
-        _check_not_rerun(path)
-        with open_events(
-            path, format=self.format, size=self._size(), time_unit=self.time_unit
-        ) as file:
+        check_not_rerun(path)
+        with self.input.open(path) as file:
             scaled = self._make_detector(file)
-            with EstimateJson(sys.stdout) if self.json else EstimateTable(Console()) as printer:
-                verdict = self._read(file, scaled, printer)
-                printer.finish(file, self.method, scaled.changes, verdict)
+            size = {"width": file.width, "height": file.height}
+            feed = DetectorFeed(self.method, scaled.detector, **size)
+            with self._printer() as printer:
+                verdict = self._read(file, scaled, feed, printer)
+                failure = None if feed.failure is None else str(feed.failure)
+                printer.finish(file, self.method, scaled.changes, verdict, failure)
         self._print_outputs()
-        return 0
+        return report_failures([failure] if failure else [])
+
+    def _printer(self) -> EstimatePrinter:
+        stream = own_output()
+        return EstimateJson(stream) if self.json else EstimateTable(SafeConsole())
 
     def _read(
-        self, file: EventFile, scaled: ScaledDetector, printer: EstimatePrinter
+        self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
     ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
-        verdict, plot_data = RecordingVerdict(), PlotData()
+        verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled) if self.rrd else None
-            for part in run_detector(file, scaled.detector):
-                for estimate in part.estimates:
-                    verdict.add(estimate)
-                    printer.add(estimate)
-                if self.plot:
-                    plot_data.add(part)
-                if log:
-                    log(part)
-            _check_not_empty(file)
+            try:
+                for part in run_detector(file, feed):
+                    verdict.add(part)
+                    for estimate in part.estimates:
+                        printer.add(estimate)
+                    if self.plot:
+                        plot_data.add(part)
+                    if log:
+                        log(part)
+            except FormatError:
+                if file.statistics.events:
+                    failure = None if feed.failure is None else str(feed.failure)
+                    printer.abandon(file, self.method, scaled.changes, verdict, failure)
+                raise
+            check_not_empty(file)
             if self.plot:
                 png = stack.enter_context(atomic_file(self.plot, overwrite=self.overwrite))
-                title = f"{self._title(file)}: {verdict.direction.value}"
-                write_plot(png, plot_data, (file.width, file.height), title)
+                size = file.width, file.height
+                write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
 
     def _recorder(
@@ -161,17 +162,6 @@ class Detect:
             )
         return scaled
 
-    def _size(self) -> tuple[int, int] | None:
-        if self.size is None:
-            return None
-        sides = _SIZE.fullmatch(self.size.strip())
-        if sides is None:
-            raise ScenarioError(
-                f"--size is {self.size!r}. Allowed is width and height in pixels, such as --size "
-                "346x260."
-            )
-        return int(sides[1]), int(sides[2])
-
     def _check_outputs(self, source: Path) -> None:
         for path, option, suffix in ((self.rrd, "--rrd", ".rrd"), (self.plot, "--plot", ".png")):
             if path is None:
@@ -187,13 +177,13 @@ class Detect:
             check_output_file(path, option, overwrite=self.overwrite)
 
     def _print_outputs(self) -> None:
-        console = Console(stderr=True) if self.json else Console()
+        console = SafeConsole(stderr=True) if self.json else SafeConsole()
         if self.plot:
-            console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
+            console.print(f"wrote {self.plot}", soft_wrap=True)
         if self.rrd:
             command = view_command(self.rrd)
             text = f"wrote {self.rrd}   open it with: {command}"
-            console.print(text, soft_wrap=True, markup=False)
+            console.print(text, soft_wrap=True)
 
 
 def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:
@@ -204,7 +194,8 @@ def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:
         recorder.log_estimate(method, estimate, part.maps)
 
 
-def _check_not_rerun(path: Path) -> None:
+def check_not_rerun(path: Path) -> None:
+    """Check that a file is not a Rerun recording, which contains no events to read."""
     if path.is_file() and is_recording(path):
         raise ScenarioError(
             f"{path} is a Rerun recording, which can only be viewed. Allowed is a file of events. "
@@ -212,7 +203,8 @@ def _check_not_rerun(path: Path) -> None:
         )
 
 
-def _check_not_empty(file: EventFile) -> None:
+def check_not_empty(file: EventFile) -> None:
+    """Check that a file that was read to its end had events or frames."""
     if not file.statistics.events and not file.statistics.frames:
         raise ScenarioError(
             f"{file.path} contains no events and no frames. Record it again, or give another file."

@@ -10,12 +10,12 @@ import time
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from rich.console import Console
 from rich.table import Table
 
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import run_cli
 from sim import Crossing, CrossingConfig
-from sim.render.vulkan import INSTALL_COMMAND, vulkan_devices
+from sim.render.vulkan import INSTALL_COMMAND, VECTOR_WIDTH, vector_width_problem, vulkan_devices
 
 FRAMES = 20
 _LIBRARIES = ("mujoco", "numba", "rerun-sdk", "h5py", "tyro")
@@ -38,14 +38,20 @@ class Doctor:
             table.add_row("Vulkan device", f"{device.name} ({kind})")
             table.add_row("driver", device.driver)
         no_driver = sys.platform.startswith("linux") and not devices
-        if not no_driver:
+        problem = vector_width_problem()
+        if problem:
+            table.add_row(VECTOR_WIDTH, os.environ[VECTOR_WIDTH])
+        if not (no_driver or problem):
             fps = luminance_frames_per_second(FRAMES)
             table.add_row("luminance frames", f"{fps:.1f} per second (346×260, 2×2 supersampled)")
-        Console().print(table)
+        SafeConsole().print(table)
         if no_driver:
-            print(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
+            say(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
             return 1
-        print("This machine can render. Nothing is missing.")
+        if problem:
+            say(f"This machine cannot render: {problem}")
+            return 1
+        say("This machine can render. Nothing is missing.")
         return 0
 
 

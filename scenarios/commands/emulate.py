@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from emulator import EventSensor, SensorOutput, preset
 from emulator.presets import PresetName
 from formats import EventWriter, open_writer
+from scenarios.emulate.frame_times import TimeOptions
 from scenarios.emulate.luminance_samples import (
     ACCURATE_PX,
     STEP_PX,
     MotionStatistics,
     luminance_samples,
 )
-from scenarios.emulate.pictures import Pictures, open_pictures
+from scenarios.emulate.picture_source import Pictures
+from scenarios.emulate.pictures import open_pictures
+from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import check_output_file
+from scenarios.output.streams import SafeConsole, complain
 from scenarios.output.terminal import progress_bar, run_cli
 
-FPS_MIN, FPS_MAX = 0.1, 100_000.0
 WHITE_CD_M2 = 200.0
 """Luminance of a white display (assumed)."""
 LARGE_SHARE = 0.1
@@ -44,6 +45,7 @@ class EmulationTotals:
         events: number of events.
         on: number of ON events.
         aps: number of APS frames.
+        max_cd_m2: highest luminance on the sensor [cd/m²].
     """
 
     frames: int = 0
@@ -51,6 +53,7 @@ class EmulationTotals:
     events: int = 0
     on: int = 0
     aps: int = 0
+    max_cd_m2: float = 0.0
 
     def add(self, output: SensorOutput) -> None:
         """Include the output of one sensor step."""
@@ -64,14 +67,36 @@ class Emulate:
     """Emulate a sensor that looks at a video, images or an array, and write its events."""
 
     input: Annotated[Path, tyro.conf.Positional]
-    """Video, folder of images (in the order of the numbers in their names) or .npy array."""
+    """Video, folder of images (in the order of their times or numbers) or .npy array."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
     """File to write: .aedat4 (events and APS frames), .h5 (DSEC), .raw (EVT3), .txt, .csv, .npz."""
     fps: Annotated[
         float | None,
-        tyro.conf.arg(metavar="HZ", help_behavior_hint="(default: that of the video)"),
+        tyro.conf.arg(
+            metavar="HZ",
+            help="Frames per second at a constant rate, 0.1 to 100000; required for arrays, and "
+            "for images without times.",
+            help_behavior_hint="(default: each frame's own time)",
+        ),
     ] = None
-    """Frames per second, 0.1 to 100000; required for images and arrays."""
+    times: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="FILE",
+            help="Text file with the time of each frame, one a line, alone or with the name of an "
+            "image.",
+            help_behavior_hint="(default: timestamps.txt, images.txt and others near the images, "
+            "or the times in their names)",
+        ),
+    ] = None
+    time_unit: Annotated[
+        Unit | None,
+        tyro.conf.arg(
+            metavar="s|ms|us|ns",
+            help="Unit of the times in a text file or in the names of images.",
+            help_behavior_hint="(default: decided by the values, and shown)",
+        ),
+    ] = None
     white_cd_m2: Annotated[
         float,
         tyro.conf.arg(
@@ -95,26 +120,26 @@ class Emulate:
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
         check_output_file(self.out, "--out", overwrite=self.overwrite)
-        pictures = open_pictures(self.input)
-        fps, motion, totals = self._fps(pictures), MotionStatistics(), EmulationTotals()
+        options = TimeOptions(self.fps, self.times, self.time_unit)
+        pictures = open_pictures(self.input, options)
+        if pictures.times.t_us.size < 2:
+            raise ScenarioError(
+                f"{self.input} contains {pictures.times.t_us.size} frames. Allowed are 2 or more, "
+                "because events come from changes. Give a longer sequence."
+            )
+        motion, totals = MotionStatistics(), EmulationTotals()
         config = preset(self.sensor)
         with open_writer(
             self.out, width=config.width, height=config.height, overwrite=self.overwrite
         ) as writer:
-            self._emulate(pictures, fps, motion, writer, totals)
-            if totals.frames < 2:
-                raise ScenarioError(
-                    f"{self.input} contains {totals.frames} frames. Allowed are 2 or more, because "
-                    "events come from changes. Give a longer sequence."
-                )
-        self._warn(pictures, fps, motion, totals, takes_frames=writer.takes_frames)
-        self._print(fps, motion, totals)
+            self._emulate(pictures, motion, writer, totals)
+        self._warn(pictures, motion, totals, takes_frames=writer.takes_frames)
+        self._print(pictures, motion, totals)
         return 0
 
     def _emulate(
         self,
         pictures: Pictures,
-        fps: float,
         motion: MotionStatistics,
         writer: EventWriter,
         totals: EmulationTotals,
@@ -123,7 +148,6 @@ class Emulate:
         sensor = EventSensor(config, seed=self.seed)
         samples = luminance_samples(
             pictures,
-            fps=fps,
             size=(config.width, config.height),
             white_cd_m2=self.white_cd_m2,
             transfer=self.transfer,
@@ -140,38 +164,26 @@ class Emulate:
                         writer.write_frame(frame)
                 totals.add(output)
                 totals.frames, totals.t_us = sample.frame + 1, sample.t_us
-                advance(totals.frames, max(totals.frames, pictures.count))
-
-    def _fps(self, pictures: Pictures) -> float:
-        fps = self.fps if self.fps is not None else pictures.fps
-        if fps is None:
-            raise ScenarioError(
-                f"{self.input} does not state its frames per second. Give them with --fps, such as "
-                "--fps 1000."
-            )
-        if not FPS_MIN <= fps <= FPS_MAX:
-            raise ScenarioError(
-                f"The frame rate is {fps:g} frames per second. Allowed is {FPS_MIN:g} to "
-                f"{FPS_MAX:g}. Give another with --fps."
-            )
-        return fps
+                totals.max_cd_m2 = max(totals.max_cd_m2, float(sample.luminance.max()))
+                advance(totals.frames, pictures.times.t_us.size)
 
     def _warn(
         self,
         pictures: Pictures,
-        fps: float,
         motion: MotionStatistics,
         totals: EmulationTotals,
         *,
         takes_frames: bool,
     ) -> None:
+        for warning in pictures.times.warnings:
+            _print_note(warning)
         if motion.inaccurate and not self.interpolate:
             _print_note(
                 f"Objects move by up to {motion.max_px:.1f} px between frames, by more than "
                 f"{ACCURATE_PX:g} px in {motion.inaccurate} of {motion.pairs} steps. There, the "
-                f"times of events are wrong by up to {1e3 / fps:.3g} ms, and their number is "
-                f"wrong. Record {fps * motion.max_px / ACCURATE_PX:.0f} frames per second, or give "
-                "--interpolate."
+                f"times of events are wrong by up to {motion.max_error_us / 1e3:.3g} ms, and their "
+                f"number is wrong. Record {motion.max_px_s / ACCURATE_PX:.0f} frames per second, "
+                "or give --interpolate."
             )
         reliable_px = LARGE_SHARE * preset(self.sensor).width
         if self.interpolate and motion.max_px > reliable_px:
@@ -179,10 +191,10 @@ class Emulate:
                 f"Objects move by up to {motion.max_px:.1f} px between frames. Optical flow is "
                 f"unreliable above {reliable_px:.0f} px. Record more frames per second."
             )
-        if totals.frames < pictures.count:
+        if totals.frames < pictures.times.t_us.size:
             _print_note(
-                f"{self.input} states {pictures.count} frames, but only {totals.frames} could be "
-                "read. It may be truncated."
+                f"{self.input} has {pictures.times.t_us.size} frames, but only {totals.frames} "
+                "could be decoded. It may be damaged."
             )
         if totals.aps and not takes_frames:
             _print_note(
@@ -191,13 +203,19 @@ class Emulate:
                 kind="note",
             )
 
-    def _print(self, fps: float, motion: MotionStatistics, totals: EmulationTotals) -> None:
+    def _print(self, pictures: Pictures, motion: MotionStatistics, totals: EmulationTotals) -> None:
         table = Table(title=str(self.out), title_justify="left", show_header=False)
         rate = f", {totals.events / totals.t_us * 1e3:,.0f} kev/s" if totals.t_us else ""
         share = f"{totals.on / totals.events:.1%} ON" if totals.events else "none"
+        luminance = (
+            f"up to {totals.max_cd_m2:.4g} cd/m², from the array"
+            if pictures.are_luminance
+            else f"up to {self.white_cd_m2:g} cd/m², {self.transfer}"
+        )
         rows = {
-            "frames": f"{totals.frames:,} at {fps:g} Hz, {totals.t_us * 1e-6:.3f} s",
-            "luminance": f"up to {self.white_cd_m2:g} cd/m², {self.transfer}",
+            "frames": f"{totals.frames:,} at {pictures.times.rate()}, {totals.t_us * 1e-6:.3f} s",
+            "times": pictures.times.source,
+            "luminance": luminance,
             "motion": f"up to {motion.max_px:.2f} px between frames",
             "interpolated": f"{motion.interpolated:,}, at most {STEP_PX:g} px apart",
             "events": f"{totals.events:,}{rate}",
@@ -207,11 +225,11 @@ class Emulate:
         for name, value in rows.items():
             if name != "interpolated" or self.interpolate:
                 table.add_row(name, value)
-        Console().print(table)
+        SafeConsole().print(table)
 
 
 def _print_note(text: str, *, kind: str = "warning") -> None:
-    print(f"flybench: {kind}: {text}", file=sys.stderr)
+    complain(f"{kind}: {text}")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ from scenarios.envelope.report import print_envelope, write_envelope
 from scenarios.errors import ScenarioError
 from scenarios.options.method import RepeatedMethod
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.streams import say
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.user_detectors import find_method
 
@@ -79,11 +80,13 @@ class Envelope:
         with atomic_folder(self.out) as work:
             with progress_bar() as progress:
                 advance = progress.track(f"envelope of {', '.join(self.methods)}")
-                rows = measure_all(grid.points(), self.methods, jobs=self.jobs, progress=advance)
-            write_envelope(work, rows, grid, asdict(replace(self, method=self.methods)))
+                points = grid.points()
+                rows, failed = measure_all(points, self.methods, jobs=self.jobs, progress=advance)
+            arguments = asdict(replace(self, method=self.methods))
+            write_envelope(work, rows, grid, arguments, failed)
         print_envelope(rows, grid)
-        print(f"wrote {self.out}")
-        return 0
+        say(f"wrote {self.out}")
+        return report_failures(failed.values())
 
 
 def _check_method(name: str) -> None:

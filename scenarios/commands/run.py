@@ -16,14 +16,14 @@ from scenarios.options.cache import CacheOptions
 from scenarios.options.distractors import DistractorOptions
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import check_output_folder
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, estimated_bytes, record_run
+from scenarios.runs.sequence import EventsFormat, estimated_bytes, failures, record_run
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DEFAULT_DISTANCE_M, DEFAULT_ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
@@ -172,7 +172,7 @@ class Run:
                 events_formats=self.events_format,
             )
         print_runs([(folder, summary)])
-        return 0
+        return report_failures(failures(summary))
 
     def _sensor(self) -> SensorConfig:
         if self.noise:

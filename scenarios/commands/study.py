@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,12 +12,13 @@ import tyro
 
 from flybench.checks import Range
 from flybench.unfinished import FINISHED
-from scenarios.errors import ScenarioError
+from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
@@ -29,7 +30,7 @@ from scenarios.study.finished import finished_sequences, link_or_copy
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.report.page import write_report
 from scenarios.study.report.terminal import print_study
-from scenarios.study.results import SequenceResult
+from scenarios.study.results import SequenceResult, without_failed
 from scenarios.study.rows import COLUMNS, Row, study_rows
 from scenarios.study.runner import run_sequences
 from scenarios.study.statistics import Interval, by_method_and_lighting
@@ -115,12 +116,15 @@ class Study:
             with progress_bar(_SPEED_OVER_S) as progress:
                 advance = progress.track("study")
                 sequences = run_sequences(tasks, jobs=self.jobs, finished=done, progress=advance)
+            sequences, failed = without_failed(sequences)
+            if len(failed) == len(self.methods):
+                raise MethodError(next(iter(failed.values())))
             rows = study_rows(sequences)
             claims = evaluate_claims(rows)
-            self._write(work, tasks, sequences, rows, claims, start_s)
+            self._write(work, tasks, sequences, rows, claims, failed, start_s)
         print_study(rows, claims)
-        print(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
-        return 0
+        say(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
+        return report_failures(failed.values())
 
     def _check(self) -> None:
         _SEEDS.check("--seeds", self.seeds, ScenarioError)
@@ -161,6 +165,7 @@ class Study:
         sequences: Sequence[SequenceResult],
         rows: list[Row],
         claims: Sequence[Claim],
+        failed: Mapping[str, str],
         start_s: float,
     ) -> None:
         if self.recordings:
@@ -178,8 +183,10 @@ class Study:
             claims=claims,
             parameters=self._parameters(tasks),
             figures=figures,
+            failed=failed,
         )
-        write_summary(work, self._summary(rows, claims, time.perf_counter() - start_s))
+        summary = self._summary(rows, claims, time.perf_counter() - start_s)
+        write_summary(work, summary | {"failed": failed})
 
     def _parameters(self, tasks: Sequence[SequenceTask]) -> dict[str, Any]:
         """Return the parameters for the report: arguments, scene, sensor and methods."""

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import progress_bar, run_cli
-from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally, run_on_cluster
+from scenarios.pipeline.cluster import run_on_cluster
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.folder import CSV, PARQUET, check_folder
 from scenarios.sweep.measure import group_by_sequence
@@ -111,7 +112,7 @@ def print_parameters() -> None:
         default = defaults[name]
         shown = list(default) if isinstance(default, tuple) else default
         table.add_row(name, str(shown).lower() if kind is bool else str(shown), allowed(kind))
-    Console(width=_CONSOLE_WIDTH).print(table)
+    SafeConsole(width=_CONSOLE_WIDTH).print(table)
 
 
 def print_points(points: Sequence[Point], finished: int) -> None:
@@ -123,7 +124,7 @@ def print_points(points: Sequence[Point], finished: int) -> None:
     for n, point in enumerate(points):
         values = dict(point.varied) | dict(point.labels)
         table.add_row(str(n), *(_format(values.get(name, "")) for name in columns))
-    console = Console(width=_CONSOLE_WIDTH)
+    console = SafeConsole(width=_CONSOLE_WIDTH)
     console.print(table)
     sequences = group_by_sequence(point.config for point in points)
     console.print(f"{len(points)} points of {len(sequences)} sequences; {finished} are finished")
@@ -132,7 +133,7 @@ def print_points(points: Sequence[Point], finished: int) -> None:
 def print_result(result: SweepResult, points: Sequence[Point], folder: Path) -> None:
     """Print what was written, what was reused, and what failed."""
     if result.unused:
-        print(
+        say(
             f"{result.unused} finished points in {folder} are from another file or other code. "
             "They are kept, but are not in the table."
         )
@@ -141,15 +142,15 @@ def print_result(result: SweepResult, points: Sequence[Point], folder: Path) -> 
         by_reason.setdefault(reason, []).append(point)
     for reason, failed in by_reason.items():
         more = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
-        print(f"failed: {_describe(failed[0])}{more}: {reason}")
+        say(f"failed: {_describe(failed[0])}{more}: {reason}")
     if result.failed:
-        print(
+        say(
             f"{len(result.failed)} of {len(points)} points failed, so no table is written. The "
             "results of the others are kept. Remove the cause, or these points from the file, and "
             "start again."
         )
         return
-    print(
+    say(
         f"wrote {folder / CSV} and {PARQUET} in the same folder: {len(points)} points, of which "
         f"{result.reused} were finished before"
     )

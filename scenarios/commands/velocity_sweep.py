@@ -14,12 +14,13 @@ from typing import Annotated, Literal
 import tyro
 
 from flybench.direction import Direction
-from scenarios.errors import ScenarioError
+from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodName
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.streams import say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
@@ -69,23 +70,32 @@ class VelocitySweep:
         configs, cache = list(self._configs()), self.cache.open()
         make_detector(configs[0])
         if self.out is None:
-            print_rows(self._measure(configs, cache))
-            return 0
+            rows, failed = self._measure(configs, cache)
+            print_rows(rows)
+            return report_failures(failed)
         check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
         with atomic_folder(self.out) as work:
-            rows = self._measure(configs, cache)
+            rows, failed = self._measure(configs, cache)
             print_rows(rows)
-            self._write(work, rows)
-        print(f"wrote {self.out}")
-        return 0
+            self._write(work, rows, failed)
+        say(f"wrote {self.out}")
+        return report_failures(failed)
 
-    def _measure(self, configs: list[RunConfig], cache: LuminanceCache | None) -> list[Row]:
+    def _measure(
+        self, configs: list[RunConfig], cache: LuminanceCache | None
+    ) -> tuple[list[Row], list[str]]:
+        """Return the rows of all velocities, and why the detector failed at some of them."""
+        rows: list[Row] = []
+        failed: list[str] = []
         with progress_bar() as progress:
-            return [
-                row
-                for config in configs
-                for row in measure_velocity(config, self.seeds, progress, cache=cache)
-            ]
+            for config in configs:
+                try:
+                    rows += measure_velocity(config, self.seeds, progress, cache=cache)
+                except MethodError as error:
+                    failed.append(f"{error} (sequence {config.name})")
+        if not rows:
+            raise MethodError(failed[0])
+        return rows, failed
 
     def _configs(self) -> Iterator[RunConfig]:
         if not 1 <= self.seeds <= MAX_SEEDS:
@@ -105,7 +115,7 @@ class VelocitySweep:
                 )
                 yield RunConfig(crossing, method=self.method, seed=self.seed)
 
-    def _write(self, work: Path, rows: list[Row]) -> None:
+    def _write(self, work: Path, rows: list[Row], failed: list[str]) -> None:
         write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))
         draw_grms(work / "grms", rows, method=self.method)
         arguments = asdict(self) | {"out": str(self.out)}
@@ -117,6 +127,7 @@ class VelocitySweep:
                 "parameters": arguments,
                 "versions": versions(),
                 "spearman": spearman_by_seed(rows),
+                "failed": failed,
             },
         )
 

@@ -7,18 +7,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import rerun_cli
 import tyro
 
+from flybench.checks import Range
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import RECORDING
+from scenarios.output.streams import say
 from scenarios.output.terminal import has_display, run_cli
 from scenarios.recording.screenshot import screenshot
+from scenarios.recording.viewer_process import (
+    HOST,
+    end_with_parent,
+    free_port,
+    is_free,
+    viewer_program,
+)
 
 MAGIC = b"RRF2"
 RECORDINGS, SUFFIX = "recordings", ".rrd"
 """Folder of the recordings in that of a study, and the ending of their names."""
+WEB_PORT, DATA_PORT = 9090, 9876
+"""Ports that the viewer prefers for its page and its data, as Rerun does."""
+_PORT = Range(1, 65535)
 
 
 @dataclass(frozen=True)
@@ -33,6 +44,14 @@ class View:
     """Open only this recording of a study, such as day_1.61."""
     web: bool = False
     """Serve the viewer to a browser at 127.0.0.1 instead of opening a window."""
+    port: Annotated[
+        int | None,
+        tyro.conf.arg(
+            metavar="N",
+            help_behavior_hint=f"(default: {WEB_PORT}, or a free one if that is in use)",
+        ),
+    ] = None
+    """Port of the page that --web serves, 1 to 65535."""
     screenshot: Annotated[
         Path | None,
         tyro.conf.arg(
@@ -62,15 +81,33 @@ class View:
             check_output_file(self.screenshot, "--screenshot", overwrite=self.overwrite)
             with atomic_file(self.screenshot, overwrite=self.overwrite) as png:
                 screenshot(recordings[0], png, at_s=self.at_s)
-            print(f"wrote {self.screenshot}, a picture of {recordings[0]}")
+            say(f"wrote {self.screenshot}, a picture of {recordings[0]}")
             return 0
         if not self.web and not has_display():
             raise ScenarioError(
                 "There is no display for a window. Use --web to serve the viewer to a browser, or "
                 "--screenshot FILE.png for a picture."
             )
-        command = [viewer_program(), *map(str, recordings), "--bind", "127.0.0.1"]
-        return subprocess.call(command + (["--serve-web"] if self.web else []))
+        command = [viewer_program(), *map(str, recordings), "--bind", HOST, *self._web_options()]
+        return subprocess.call(command, preexec_fn=end_with_parent())
+
+    def _web_options(self) -> list[str]:
+        if not self.web:
+            if self.port is not None:
+                raise ScenarioError(
+                    f"--port is {self.port} without --web. Allowed is --port with --web only, "
+                    "because a window has no port. Add --web, or leave --port out."
+                )
+            return []
+        if self.port is not None:
+            _PORT.check("--port", self.port, ScenarioError)
+            if not is_free(self.port):
+                raise ScenarioError(
+                    f"--port is {self.port}, which is in use, perhaps by another viewer. Allowed "
+                    "is a free port. Choose another, or leave --port out for any free one."
+                )
+        page, data = self.port or free_port(WEB_PORT), free_port(DATA_PORT)
+        return ["--serve-web", "--web-viewer-port", str(page), "--port", str(data)]
 
 
 def find_recordings(path: Path, name: str | None = None) -> list[Path]:
@@ -90,20 +127,12 @@ def find_recordings(path: Path, name: str | None = None) -> list[Path]:
     if name is not None:
         return [_named(found, name, study)]
     recording = path / RECORDING if path.is_dir() else path
-    if not recording.is_file() or not is_recording(recording):
+    if not is_recording(recording):
         raise ScenarioError(
             f"There is no recording at {path}. Allowed is a folder that flybench run or flybench "
             f"study wrote, or an {SUFFIX} file. Make one with: flybench run"
         )
     return [recording]
-
-
-def viewer_program() -> str:
-    """Return the path of the Rerun viewer.
-
-    Its Python entry point would start it as another process, which would survive this command.
-    """
-    return str(Path(rerun_cli.__file__).with_name("rerun"))
 
 
 def _named(found: list[Path], name: str, study: Path) -> Path:
@@ -119,6 +148,8 @@ def _named(found: list[Path], name: str, study: Path) -> Path:
 
 def is_recording(path: Path) -> bool:
     """Return True if a file begins like the files of Rerun."""
+    if not path.is_file():  # opening a FIFO would block
+        return False
     with path.open("rb") as file:
         return file.read(len(MAGIC)) == MAGIC
 

@@ -10,17 +10,20 @@ from collections.abc import Mapping
 from typing import IO, Any, Self, TextIO
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
 from formats import EventFile
+from scenarios.detect.spans import Span
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.recording.entities import ARROW
 
 PAGE_ROWS = 50
 """Rows of the table that are printed at a time."""
+MOST_SPANS = 8
+"""Most spans of one direction in the summary (assumed: three lines of a terminal)."""
 _COLUMNS = (("time [s]", 13), ("HS", 7), ("VS", 7), ("direction", 10), ("strength", 9))
 
 
@@ -40,7 +43,12 @@ class EstimatePrinter(ABC):
 
     @abstractmethod
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print the rest and the summary.
 
@@ -49,7 +57,19 @@ class EstimatePrinter(ABC):
             method: name of the detector.
             scaled: parameters of the detector that were scaled, by name.
             verdict: verdict over all estimates.
+            failure: reason why the detector failed; None if it did not.
         """
+
+    @abstractmethod
+    def abandon(
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
+    ) -> None:
+        """Print what came before an error in the file; the arguments are those of `finish`."""
 
 
 class EstimateTable(EstimatePrinter):
@@ -70,11 +90,27 @@ class EstimateTable(EstimatePrinter):
             self._flush()
 
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Print the last page and a summary table."""
         self._flush()
-        self._console.print(_summary_table(file, method, scaled, verdict))
+        self._console.print(_summary_table(file, method, scaled, verdict, failure))
+
+    def abandon(
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
+    ) -> None:
+        """Print the last page and a summary of what was read."""
+        self.finish(file, method, scaled, verdict, failure)
 
     def _flush(self) -> None:
         if not self._pending:
@@ -117,13 +153,18 @@ class EstimateJson(EstimatePrinter):
         self._separator = ",\n"
 
     def finish(
-        self, file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
     ) -> None:
         """Complete the document and print it."""
         tail = {
-            "direction": verdict.direction.value,
-            "share": verdict.share,
+            **verdict.to_json(),
             "method": method,
+            "failed": failure,
             "scaled": dict(scaled),
             "file": {"name": str(file.path), **_file_json(file)},
         }
@@ -132,15 +173,25 @@ class EstimateJson(EstimatePrinter):
         shutil.copyfileobj(self._file, self._stream)
         self._stream.flush()
 
+    def abandon(
+        self,
+        file: EventFile,
+        method: str,
+        scaled: Mapping[str, Any],
+        verdict: RecordingVerdict,
+        failure: str | None,
+    ) -> None:
+        """Print nothing: a document is complete or absent."""
+
 
 def _estimate_json(estimate: MotionEstimate) -> dict[str, Any]:
     e = estimate
     return {
-        "t_us": int(e.t_us),
-        "hs": float(e.hs),
-        "vs": float(e.vs),
+        "t_us": e.t_us,
+        "hs": e.hs,
+        "vs": e.vs,
         "direction": e.direction.value,
-        "strength": float(e.strength),
+        "strength": e.strength,
     }
 
 
@@ -159,6 +210,9 @@ def _file_json(file: EventFile) -> dict[str, Any]:
         "rate_hz": found.rate_hz,
         "on_share": found.on_share,
         "frames": found.frames,
+        "sorted_events": file.sorted_events,
+        "dropped_events": file.dropped_events,
+        "warnings": list(file.warnings),
     }
 
 
@@ -177,30 +231,45 @@ def _file_rows(file: EventFile) -> list[tuple[str, str]]:
     ]
     if file.origin_us:
         rows.insert(4, ("time origin", f"{file.origin_us:,} µs in the file"))
+    if file.sorted_events is not None:
+        rows.append(("sorted", f"{file.sorted_events:,} late events"))
+    if file.dropped_events is not None:
+        rows.append(("dropped", f"{file.dropped_events:,} events out of order"))
     return rows
 
 
 def _summary_table(
-    file: EventFile, method: str, scaled: Mapping[str, Any], verdict: RecordingVerdict
+    file: EventFile,
+    method: str,
+    scaled: Mapping[str, Any],
+    verdict: RecordingVerdict,
+    failure: str | None,
 ) -> Table:
-    table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
+    table = Table(title=str(file.path), title_justify="left", show_header=False)
     for name, value in _file_rows(file):
         table.add_row(name, value)
     for name, value in file.header_fields.items():
-        table.add_row(escape(f"header: {name}"), escape(value))
+        table.add_row(f"header: {name}", value)
     table.add_section()
-    table.add_row("method", escape(method))
+    table.add_row("method", method)
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
-    table.add_row("estimates", _counts(verdict))
-    direction = verdict.direction
-    share = f", {verdict.share:.0%} of the strength of all directions" if verdict.share else ""
-    arrow = ARROW.get(direction, "")
-    table.add_row("verdict", f"[bold]{arrow} {direction.value}[/bold]{share}")
+    if failure:
+        table.add_row("failed", failure)
+    table.add_row("all steps", verdict.shares_text)
+    table.add_row("spans", _spans(verdict))
+    word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()
+    table.add_row("verdict", Text.assemble((word, "bold"), f": {verdict.reason}"))
     return table
 
 
-def _counts(verdict: RecordingVerdict) -> str:
-    counts = sorted(verdict.counts.items(), key=lambda item: -item[1])
-    parts = ", ".join(f"{count:,} {direction.value}" for direction, count in counts)
-    return f"{verdict.steps:,}" + (f": {parts}" if parts else "")
+def _spans(verdict: RecordingVerdict) -> str:
+    spans = verdict.spans
+    parts = [f"{s.direction.value} {_seconds(s)}" for s in spans[:MOST_SPANS]]
+    if len(spans) > MOST_SPANS:
+        parts.append(f"and {len(spans) - MOST_SPANS:,} more, which --json lists")
+    return ", ".join(parts) or "none"
+
+
+def _seconds(span: Span) -> str:
+    return f"{span.from_us * 1e-6:.2f} to {span.to_us * 1e-6:.2f} s"

@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 
 from flybench.direction import Direction
 from scenarios.detect.plot_data import DIRECTIONS, SNAPSHOT_US, PlotData, Snapshot
+from scenarios.detect.verdict import RecordingVerdict
 from scenarios.output.figures import figure_file
 
 SIZE_IN = (11.0, 6.4)
@@ -24,24 +25,29 @@ DIRECTION_COLOUR = {
 }
 
 
-def write_plot(png: Path, data: PlotData, size: tuple[int, int], title: str) -> None:
+def write_plot(
+    png: Path, data: PlotData, size: tuple[int, int], name: str, verdict: RecordingVerdict
+) -> None:
     """Draw the figure and write it as PNG.
 
     Args:
         png: path of the file, in an existing folder.
         data: data of the recording.
         size: sensor columns and rows [px].
-        title: title of the figure.
+        name: name of the recording and the method, for the title.
+        verdict: verdict on the recording.
     """
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder) / "figure"
         with figure_file(base, SIZE_IN) as figure:
-            _draw(figure, data, size, title)
+            _draw(figure, data, size, name, verdict)
         png.write_bytes(base.with_suffix(".png").read_bytes())
 
 
-def _draw(figure: Any, data: PlotData, size: tuple[int, int], title: str) -> None:
-    figure.suptitle(title, ha="left", x=0.01)
+def _draw(
+    figure: Any, data: PlotData, size: tuple[int, int], name: str, verdict: RecordingVerdict
+) -> None:
+    figure.suptitle(f"{name}: {verdict.word}\n{verdict.reason}", ha="left", x=0.01)
     top, bottom = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
     has_frame = data.snapshot.frame is not None
     images = top.subplots(1, 2 if has_frame else 1, squeeze=False)[0]
@@ -49,7 +55,7 @@ def _draw(figure: Any, data: PlotData, size: tuple[int, int], title: str) -> Non
     if has_frame:
         _draw_frame(images[1], data.snapshot)
     response, rate = bottom.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    _draw_responses(response, data)
+    _draw_responses(response, data, verdict)
     _draw_rates(rate, data)
 
 
@@ -89,15 +95,24 @@ def _draw_frame(axes: Any, snapshot: Snapshot) -> None:
     axes.set_yticks([])
 
 
-def _draw_responses(axes: Any, data: PlotData) -> None:
+def _draw_responses(axes: Any, data: PlotData, verdict: RecordingVerdict) -> None:
     times_s = np.asarray(data.t_us) * 1e-6
     _shade_directions(axes, times_s, np.asarray(data.direction))
+    _outline_spans(axes, verdict)
+    axes.set_title(f"{verdict.steps:,} steps: {verdict.shares_text}")
     axes.plot(times_s, np.asarray(data.hs), color=HS, label="HS, rightward > 0")
     axes.plot(times_s, np.asarray(data.vs), color=VS, label="VS, downward > 0")
     axes.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    axes.set_ylim(-1.05, 1.05)
+    axes.set_ylim(*_response_limits(data))
     axes.set_ylabel("response")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def _response_limits(data: PlotData) -> tuple[float, float]:
+    """Return the range of the axis: the greatest response and a tenth more, both ways."""
+    responses = np.abs(np.concatenate([np.asarray(data.hs), np.asarray(data.vs)]))
+    greatest = float(responses.max(initial=0.0)) or 1.0
+    return -1.1 * greatest, 1.1 * greatest
 
 
 def _shade_directions(axes: Any, times_s: Any, directions: Any) -> None:
@@ -120,6 +135,17 @@ def _shade_directions(axes: Any, times_s: Any, directions: Any) -> None:
             alpha=0.6,
             linewidth=0,
             label=label,
+        )
+
+
+def _outline_spans(axes: Any, verdict: RecordingVerdict) -> None:
+    for number, span in enumerate(verdict.spans):
+        axes.axvspan(
+            span.from_us * 1e-6,
+            span.to_us * 1e-6,
+            fill=False,
+            edgecolor="0.35",
+            label=None if number else "spans of one direction",
         )
 
 

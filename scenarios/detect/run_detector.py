@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from detector.estimate import Detector, MotionEstimate
+from detector.estimate import MotionEstimate
 from detector.fly.detector import FlyMaps
 from emulator import ApsFrame
 from flybench.events import Events, empty_events
-from formats import Chunk, EventFile
-from scenarios.pipeline.feeding import feed, fly_maps
+from formats import Chunk
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 
 SLICE_US = 10_000
 """Duration of a slice [µs]: the detectors' hop, so that a fly's maps belong to its estimate."""
@@ -37,25 +37,27 @@ class RecordingSlice:
     start_us: int
 
 
-def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice]:
+def run_detector(
+    file: Iterable[Chunk], feed: DetectorFeed, *, until_us: int = 0
+) -> Iterator[RecordingSlice]:
     """Run a fresh detector on a recording.
 
     The detector's time starts at the hop in which the recording starts, so that large timestamps
     cost no more than small ones.
 
     Args:
-        file: the recording.
-        detector: a detector that has not seen any events.
+        file: the recording, or its chunks.
+        feed: a detector that has not seen any events. If it fails, the slices after that have no
+            estimates; see `DetectorFeed.failure`.
+        until_us: time that the recording reaches, if it is after the last event [µs].
 
     Yields:
         Slices in order of time.
 
     Raises:
         FormatError: the file is damaged; the slices before the damage have been yielded.
-        MethodError: the detector does not follow its protocol.
     """
     start_us: int | None = None
-    last: tuple[MotionEstimate, ...] = ()
     now_us = 0
     for chunk in file:
         if start_us is None:
@@ -65,25 +67,23 @@ def run_detector(file: EventFile, detector: Detector) -> Iterator[RecordingSlice
             shifted_frames = _shifted_frames(frames, start_us, now_us)
             ends = [frame.end_us for frame in shifted_frames]
             now_us = max([now_us, *ends, *shifted["t"][-1:].tolist()])
-            estimates = feed(
-                detector, shifted, until_us=now_us, frames=shifted_frames, earlier=last
-            )
-            last = tuple(estimates[-1:]) or last
-            yield _recording_slice(events, frames, estimates, detector, start_us)
+            estimates = feed.feed(shifted, until_us=now_us, frames=shifted_frames)
+            yield _recording_slice(events, frames, estimates, feed, start_us)
     if start_us is not None:
-        estimates = feed(detector, empty_events(), until_us=now_us + 1, earlier=last)
-        yield _recording_slice(empty_events(), (), estimates, detector, start_us)
+        end_us = max(now_us + 1, until_us - start_us)
+        estimates = feed.feed(empty_events(), until_us=end_us)
+        yield _recording_slice(empty_events(), (), estimates, feed, start_us)
 
 
 def _recording_slice(
     events: Events,
     frames: tuple[ApsFrame, ...],
     estimates: list[MotionEstimate],
-    detector: Detector,
+    feed: DetectorFeed,
     start_us: int,
 ) -> RecordingSlice:
-    in_file_time = tuple(replace(e, t_us=int(e.t_us) + start_us) for e in estimates)
-    return RecordingSlice(events, frames, in_file_time, fly_maps(detector), start_us)
+    in_file_time = tuple(replace(e, t_us=e.t_us + start_us) for e in estimates)
+    return RecordingSlice(events, frames, in_file_time, fly_maps(feed.detector), start_us)
 
 
 def _first_us(chunk: Chunk) -> int:

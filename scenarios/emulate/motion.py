@@ -32,25 +32,29 @@ MAX_INTERPOLATED = 200
 """Most frames that are interpolated between two frames (assumed)."""
 GAMMA = 2.2
 """Exponent of the grey levels in which flow is computed, so that dark and bright count alike."""
+DARK_CD_M2 = 1e-4
+"""Luminance below which no change counts (assumed: a night sky without moon has about 2e-4)."""
+MIN_CONTRAST = 100.0
+"""Ratio of luminances that fills the 255 levels at least (assumed: that of a picture in daylight).
+A flatter scene is not stretched further, because its noise would count as motion."""
 
 
 class MotionMeter:
     """Measures optical flow between luminance frames."""
 
-    def __init__(self, white_cd_m2: float) -> None:
+    def __init__(self, white_cd_m2: float | None) -> None:
         """Prepare the flow algorithm.
 
         Args:
-            white_cd_m2: luminance of the highest grey level [cd/m²].
+            white_cd_m2: luminance of the highest grey level [cd/m²]; None if the luminance has any
+                range.
         """
         self._white = white_cd_m2
         self._dis: Any = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
 
     def flow_px(self, before: F32, after: F32) -> F32:
         """Return the displacement (x, y) of each pixel of `before`: (rows, columns, 2) [px]."""
-        return np.asarray(
-            self._dis.calc(self._levels(before), self._levels(after), None), np.float32
-        )
+        return np.asarray(self._dis.calc(*self._levels(before, after), None), np.float32)
 
     def motion_px(self, before: F32, after: F32, flow_px: F32) -> float:
         """Return the motion between two frames: a high quantile of the displacements [px].
@@ -64,7 +68,7 @@ class MotionMeter:
             after: (rows, columns) luminance of the second frame [cd/m²].
             flow_px: flow from the first to the second, as `flow_px` returns it [px].
         """
-        levels = self._levels(before), self._levels(after)
+        levels = self._levels(before, after)
         gradient_x, gradient_y = (
             cv2.Sobel(levels[0], cv2.CV_32F, dx, dy, scale=1 / 8) for dx, dy in ((1, 0), (0, 1))
         )
@@ -76,9 +80,31 @@ class MotionMeter:
         along = product[used] / gradient[used]
         return float(np.quantile(np.abs(along), QUANTILE))
 
-    def _levels(self, luminance: F32) -> U8:
-        share = np.clip(luminance / np.float32(self._white), 0.0, 1.0)
-        return np.asarray(np.rint(255 * share ** (1 / GAMMA)), np.uint8)
+    def _levels(self, before: F32, after: F32) -> tuple[U8, U8]:
+        """Return the grey levels in which motion between two frames is measured."""
+        if self._white is None:
+            return _log_levels(before, after)
+        return _grey_levels(before, self._white), _grey_levels(after, self._white)
+
+
+def _grey_levels(luminance: F32, white_cd_m2: float) -> U8:
+    share = np.clip(luminance / np.float32(white_cd_m2), 0.0, 1.0)
+    return np.asarray(np.rint(255 * share ** (1 / GAMMA)), np.uint8)
+
+
+def _log_levels(before: F32, after: F32) -> tuple[U8, U8]:
+    """Return levels that are proportional to log luminance, from the lowest to the highest.
+
+    A scene 1000 times brighter has the same levels, except near `DARK_CD_M2`.
+    """
+    first, second = (np.log(luminance + np.float32(DARK_CD_M2)) for luminance in (before, after))
+    low = min(first.min(), second.min())
+    highest = max(first.max(), second.max())
+    scale = 255 / max(float(highest - low), math.log(MIN_CONTRAST))
+    return (
+        np.asarray(np.rint(scale * (first - low)), np.uint8),
+        np.asarray(np.rint(scale * (second - low)), np.uint8),
+    )
 
 
 def interpolation_count(motion_px: float, step_px: float) -> int:

@@ -11,16 +11,18 @@ from typing import Any
 import cv2
 import numpy as np
 
-from detector.estimate import Detector, MotionEstimate
+from detector.estimate import MotionEstimate
 from scenarios.envelope.drawing import DrawnStimulus, draw_stimulus
 from scenarios.envelope.stimulus import Stimulus
-from scenarios.pipeline.feeding import feed
+from scenarios.errors import MethodError
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.parallel import run_locally
 from scenarios.pipeline.scoring import score_estimates
 from scenarios.pipeline.user_detectors import find_method
 
 CHUNK_US = 10_000
 """Length of the chunks in which a detector gets its events, as a camera sends them."""
+FAILED = "failed"
 Row = dict[str, Any]
 
 
@@ -30,7 +32,7 @@ def measure_all(
     *,
     jobs: int,
     progress: Callable[[int, int], None] = lambda _done, _all: None,
-) -> list[Row]:
+) -> tuple[list[Row], dict[str, str]]:
     """Measure every point with every method, in processes of one thread each.
 
     Args:
@@ -42,10 +44,12 @@ def measure_all(
 
     Returns:
         Rows in the order of the points, and for each point in the order of the methods. They do not
-        depend on the number of processes.
+        depend on the number of processes. Methods that failed at any point are left out; the
+        second value is the first reason of each, by name.
 
     Raises:
         ScenarioError: the number of processes is out of range.
+        MethodError: all methods failed.
     """
     done: dict[int, list[Row]] = {}
     results = run_locally(partial(measure, methods=tuple(methods)), points, jobs=jobs)
@@ -53,7 +57,15 @@ def measure_all(
     for n, rows in results:
         done[n] = rows
         progress(len(done), len(points))
-    return [row for n in range(len(points)) for row in done[n]]
+    rows = [row for n in range(len(points)) for row in done[n]]
+    failed: dict[str, str] = {}
+    for row in rows:
+        if FAILED in row:
+            failed.setdefault(row["method"], row[FAILED])
+    kept = [row for row in rows if row["method"] not in failed]
+    if not kept:
+        raise MethodError(next(iter(failed.values())))
+    return kept, failed
 
 
 def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
@@ -66,7 +78,7 @@ def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
     Returns:
         One row per method: its name, the fields of the stimulus, all scores of `score_estimates`
         (with "verdict" for its direction), the number of events, and the CPU time of the detector
-        [s].
+        [s]. If the detector fails, its name and the reason (`FAILED`) only.
 
     Raises:
         MethodError: there is no such method.
@@ -78,9 +90,12 @@ def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
 
 def _row(name: str, drawn: DrawnStimulus) -> Row:
     s = drawn.stimulus
-    detector = find_method(name).make(width=s.width, height=s.height)
+    size = {"width": s.width, "height": s.height}
+    feed = DetectorFeed(name, find_method(name).make(**size), **size)
     start_s = time.process_time()
-    estimates = _feed_all(detector, drawn)
+    estimates = _feed_all(feed, drawn)
+    if feed.failure is not None:
+        return {"method": name, FAILED: str(feed.failure)}
     spent_s = time.process_time() - start_s
     scores = score_estimates(estimates, s.direction, drawn.in_view_us, drawn)
     scores = {"verdict": scores.pop("direction")} | scores
@@ -88,13 +103,13 @@ def _row(name: str, drawn: DrawnStimulus) -> Row:
     return {"method": name} | asdict(s) | scores | events
 
 
-def _feed_all(detector: Detector, drawn: DrawnStimulus) -> list[MotionEstimate]:
+def _feed_all(feed: DetectorFeed, drawn: DrawnStimulus) -> list[MotionEstimate]:
     ends_us = np.append(np.arange(CHUNK_US, drawn.duration_us, CHUNK_US), drawn.duration_us + 1)
     cuts = np.searchsorted(drawn.events["t"], ends_us)
     estimates: list[MotionEstimate] = []
     start = 0
     for end_us, cut in zip(ends_us, cuts, strict=True):
         chunk = drawn.events[start:cut]
-        estimates += feed(detector, chunk, until_us=int(end_us), earlier=estimates)
+        estimates += feed.feed(chunk, until_us=int(end_us))
         start = cut
     return estimates

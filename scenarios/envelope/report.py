@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.envelope.grid import BASE, NOISE, SPEED, Grid
@@ -24,6 +23,7 @@ from scenarios.envelope.table import (
     operating_range,
 )
 from scenarios.output.atomic_folder import write_summary
+from scenarios.output.streams import SafeConsole
 from scenarios.output.tables import write_table
 from scenarios.output.versions import versions
 from scenarios.runs.run_table import format_percent
@@ -36,7 +36,13 @@ Ranges = dict[str, list[float] | None]
 """Lowest and highest speed of the operating range [px/s] by noise [Hz]; None: no speed."""
 
 
-def write_envelope(work: Path, rows: Sequence[Row], grid: Grid, arguments: dict[str, Any]) -> None:
+def write_envelope(
+    work: Path,
+    rows: Sequence[Row],
+    grid: Grid,
+    arguments: dict[str, Any],
+    failed: Mapping[str, str],
+) -> None:
     """Write the table, the maps and the summary.
 
     Args:
@@ -44,6 +50,7 @@ def write_envelope(work: Path, rows: Sequence[Row], grid: Grid, arguments: dict[
         rows: rows of `measure_all`.
         grid: the points that were measured.
         arguments: arguments of the command.
+        failed: reasons of the methods that failed, by name.
     """
     write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))
     methods = levels(rows, "method")
@@ -65,13 +72,14 @@ def write_envelope(work: Path, rows: Sequence[Row], grid: Grid, arguments: dict[
             "base": asdict(BASE),
             "versions": versions(),
             "holds": {method: ranges_by_noise(rows, method) for method in methods},
+            "failed": dict(failed),
         },
     )
 
 
 def print_envelope(rows: Sequence[Row], grid: Grid) -> None:
     """Print correct steps by speed and noise, and the operating range, for every method."""
-    console = Console()
+    console = SafeConsole()
     for method in levels(rows, "method"):
         own = [row for row in rows if row["method"] == method]
         full = at_base_point(own, (SPEED, NOISE, *grid.crossed))

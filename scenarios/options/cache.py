@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -12,6 +11,7 @@ from typing import Annotated
 import tyro
 
 from scenarios.errors import ScenarioError
+from scenarios.output.streams import complain
 from sim import LuminanceCache
 from sim.cache.luminance_cache import LIMIT_BYTES
 
@@ -79,4 +79,4 @@ def default_folder() -> Path | None:
 
 
 def _warn(message: str) -> None:
-    print(f"flybench: {message}", file=sys.stderr)
+    complain(message)

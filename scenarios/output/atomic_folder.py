@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flybench.disk_space import check_free_space
+from flybench.files import read_small_text
 from flybench.unfinished import UnfinishedOutput, free_name
 from scenarios.errors import OutputError
 
@@ -107,7 +108,7 @@ def unlisted_files(folder: Path) -> list[str]:
         return [folder.name]
     listed: Any = None
     try:
-        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        summary = json.loads(read_small_text(folder / SUMMARY))
         if isinstance(summary, dict) and summary.get("generator") == GENERATOR:
             listed = summary.get("files")
     except (OSError, ValueError):

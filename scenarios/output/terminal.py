@@ -6,17 +6,31 @@ import os
 import signal
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import field, make_dataclass
+from typing import Annotated, Any, Protocol
 
 import tyro
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
+from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
+from flybench.printable import printable
+from scenarios.errors import is_interrupt
 from scenarios.output.repetition import check_repetition
+from scenarios.output.streams import (
+    SafeConsole,
+    claim_output,
+    complain,
+    discard_output,
+    own_output,
+    prepare_streams,
+)
+
+_MEMORY_HELP = "Memory for large arrays in each process [GB]. What would need more is refused."
+_MEMORY_HINT = f"(default: ${VARIABLE}, or {DEFAULT_GB:g})"
 
 
 class Command(Protocol):
@@ -42,7 +56,7 @@ class ProgressBars:
         Returns:
             Function that sets the bar from the amount done and the total, such as times in µs.
         """
-        task = self._progress.add_task(name, total=None)
+        task = self._progress.add_task(printable(name), total=None)
 
         def advance(done: int, total: int) -> None:
             self._progress.update(task, completed=done, total=total)
@@ -59,14 +73,14 @@ def progress_bar(speed_over_s: float = 30.0) -> Iterator[ProgressBars]:
             a long period for long steps.
     """
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    console = Console(stderr=True)
+    console = SafeConsole(stderr=True)
     with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
         yield ProgressBars(progress)
 
@@ -86,13 +100,48 @@ def run_cli(command: Any, *, prog: str | None = None, description: str | None = 
         prog: name of the program in the help; None: that of the script.
         description: text above the options in the help; None: the docstring of the class.
     """
+    prepare_streams()
     try:
-        chosen = tyro.cli(command, prog=prog, description=description)
+        arguments = tyro.cli(
+            _with_shared_options(command),
+            prog=prog,
+            description=description or command.__doc__,
+            config=(tyro.conf.CascadeSubcommandArgs,),
+        )
+        chosen: Any = arguments.command
         check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
+        set_budget(budget_gb() if arguments.memory_gb is None else arguments.memory_gb)
     except FlybenchError as error:  # raised by arguments that check themselves
-        print(f"flybench: {error}", file=sys.stderr)
+        complain(str(error))
         sys.exit(2)
+    except SystemExit as end:  # the help is printed, or an argument is wrong
+        sys.exit(_flushed(end.code))
+    except BrokenPipeError:
+        discard_output()
+        sys.exit(1)
+    claim_output()
     sys.exit(execute(chosen))
+
+
+def _flushed(status: Any) -> Any:
+    """Flush our output, and return the status; 1 if the reader of our output has closed it."""
+    try:
+        if own_output() is not None:
+            own_output().flush()
+    except BrokenPipeError:
+        discard_output()
+        return 1
+    return status
+
+
+def _with_shared_options(command: Any) -> Any:
+    """Return a class whose arguments are a command, and the options that all commands share."""
+    memory = tyro.conf.arg(metavar="GB", help=_MEMORY_HELP, help_behavior_hint=_MEMORY_HINT)
+    arguments: list[tuple[str, Any, Any]] = [
+        ("command", Annotated[command, tyro.conf.arg(name="")], field()),
+        ("memory_gb", Annotated[float | None, memory], None),
+    ]
+    return make_dataclass("Arguments", arguments)
 
 
 def execute(command: Command) -> int:
@@ -103,41 +152,54 @@ def execute(command: Command) -> int:
     """
     _handle_signals_as_interrupt()
     try:
-        return command.execute()
+        return int(_flushed(command.execute()))
     except FlybenchError as error:
-        print(f"flybench: {error}", file=sys.stderr)
+        complain(str(error))
+        return 2
+    except MemoryError:
+        complain("memory ran out. Close other programs, or choose something smaller.")
         return 2
     except KeyboardInterrupt:
         return _interrupted()
     except SystemError as error:
-        if not _is_interrupt(error):
+        if not is_interrupt(error):
             raise
         return _interrupted()
-    except BrokenPipeError:  # the reader of our output has closed it; discard the rest
-        _discard_output()
+    except BrokenPipeError:  # the reader of our output has closed it
+        discard_output()
         return 1
     except OSError as error:
         if not caused_by_full_disk(error):
             raise
         try:
-            sys.stdout.flush()
+            own_output().flush()
         except OSError:  # it is the standard output that has no room
-            _discard_output()
+            discard_output()
         where = f" of {error.filename}" if error.filename else ""
-        print(
-            f"flybench: The disk{where} is full ({error.strerror}). It is that of the output, of "
-            f"{tempfile.gettempdir()} or of the standard output. Free some space there.",
-            file=sys.stderr,
+        complain(
+            f"The disk{where} is full ({error.strerror}). It is that of the output, of "
+            f"{tempfile.gettempdir()} or of the standard output. Free some space there."
         )
         return 2
 
 
-def _discard_output() -> None:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def report_failures(reasons: Iterable[str]) -> int:
+    """Print the reasons why detectors failed on standard error.
+
+    Returns:
+        The exit status of a command whose other results are complete: 1 if a detector failed.
+    """
+    status = 0
+    for reason in reasons:
+        complain(reason)
+        status = 1
+    return status
 
 
 def _handle_signals_as_interrupt() -> None:
-    """Handle SIGTERM and SIGHUP like Ctrl-C, but leave SIGHUP ignored under nohup."""
+    """Raise KeyboardInterrupt on Ctrl-C, SIGTERM and SIGHUP; leave ignored signals ignored."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     hangup = getattr(signal, "SIGHUP", None)  # Windows does not have it
     if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
@@ -145,13 +207,5 @@ def _handle_signals_as_interrupt() -> None:
 
 
 def _interrupted() -> int:
-    with suppress(OSError):  # the terminal may be closed
-        print("flybench: interrupted", file=sys.stderr)
+    complain("interrupted")
     return 130
-
-
-def _is_interrupt(error: BaseException | None) -> bool:
-    """Return True if Ctrl-C caused the error: numba turns it into a SystemError."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None

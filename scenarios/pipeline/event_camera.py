@@ -10,7 +10,7 @@ import numpy as np
 from emulator import EventSensor, SensorConfig, SensorOutput
 from flybench.events import empty_events
 from scenarios.errors import ScenarioError
-from sim import Intrinsics, PhotometricCamera, SceneConfigError
+from sim import Illumination, Intrinsics, PhotometricCamera
 from sim.render.filament import Luminance
 
 STEP_PX = 0.5
@@ -50,13 +50,14 @@ class EventCamera:
         step_px: float = STEP_PX,
         supersample: int = 2,
         still: bool = False,
+        light: str | Illumination | None = None,
         threads: int = 1,
     ) -> None:
         """Create the camera and the sensor.
 
         Args:
-            model: a `mujoco.MjModel` with at least one light that has an intensity. sim/README.md
-                describes what makes its luminance physical.
+            model: a `mujoco.MjModel` with at least one light that has an intensity, unless `light`
+                is given. sim/README.md describes what makes its luminance physical.
             camera: name of a camera of the model; its image gets the sensor's size.
             sensor: configuration of the sensor; None: a DAVIS346 with all its noise.
             seed: seed of everything random.
@@ -64,11 +65,14 @@ class EventCamera:
             step_px: greatest motion between two samples [px].
             supersample: rendered pixels per sensor pixel along each axis.
             still: True to accept a model in which nothing can move.
+            light: "daylight", "overcast", "dusk", "indoor" or "night", or an `Illumination`. It
+                replaces the model's lights and sky. None: the model's lights.
             threads: number of threads for a sensor step.
 
         Raises:
             ScenarioError: the period or the step is not positive.
-            SceneConfigError: there is no such camera, no light, or nothing that can move.
+            SceneConfigError: there is no such camera, no light, or nothing that can move; or there
+                is no such `light`.
             SensorConfigError: the sensor or the seed is invalid.
             RendererError: there is no Vulkan device.
         """
@@ -86,13 +90,13 @@ class EventCamera:
             height=sensor.height,
             supersample=supersample,
             still=still,
+            light=light,
         )
         self.intrinsics: Intrinsics = self._camera.intrinsics
         self.samples = 0
         self.luminance: Luminance | None = None
         self._period_us, self._step_px = period_us, step_px
         self._now_us, self._rendered_us, self._moved_px = -1, -1, 0.0
-        self._has_flow = True
 
     def __enter__(self) -> Self:
         return self
@@ -115,8 +119,7 @@ class EventCamera:
             Events and frames since the last rendering; none if the scene is not rendered now.
 
         Raises:
-            ScenarioError: time has not advanced; or a shape has no triangles, so that its motion is
-                unknown, and there is no `period_us`.
+            ScenarioError: time has not advanced.
             SceneConfigError: the data belongs to another model.
         """
         t_us = round(data.time * 1e6)
@@ -149,19 +152,9 @@ class EventCamera:
         return self._moved_px + travel_px > self._step_px or since_us + step_us > MAX_STEP_US
 
     def _speed_px_s(self, data: Any) -> float:
-        """Return the highest speed in the image [px/s]; 0 if it is unknown."""
-        if not self._has_flow:
-            return 0.0
-        try:
-            return float(np.hypot(*self._camera.flow_px_s(data).reshape(-1, 2).T).max())
-        except SceneConfigError as error:
-            if self._period_us is None:
-                raise ScenarioError(
-                    f"The motion in the image is unknown: {str(error).rstrip('.')}. Or set "
-                    "period_us, for example to 1000."
-                ) from error
-            self._has_flow = False
-            return 0.0
+        """Return the highest known speed in the image [px/s]."""
+        speed = np.hypot(*self._camera.flow_px_s(data).reshape(-1, 2).T)
+        return float(np.fmax.reduce(speed, initial=0.0))
 
     def _check_motion(self, travel_px: float, step_us: int) -> None:
         if travel_px > MAX_TRAVEL_PX:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 from detector.estimate import MotionEstimate
 from emulator import EventSensor
-from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import add_truth, make_detector
+from scenarios.pipeline.running import add_truth, make_feed
 from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.summary import EventTally
 from sim import Sample
@@ -21,10 +21,12 @@ class RunResult:
 
     Attributes:
         tally: counts of the sensor's events.
-        estimates: all estimates of the detector.
+        feed: the detector; see `DetectorFeed.failure`.
+        estimates: all estimates of the detector, until it failed.
     """
 
     tally: EventTally
+    feed: DetectorFeed
     estimates: list[MotionEstimate] = field(default_factory=list)
 
 
@@ -44,12 +46,12 @@ def run_side_by_side(
         progress: function that is called with the time reached [µs].
 
     Returns:
-        The result of each run, and the track of the target.
+        The result of each run, and the track of the target. If a detector fails, the others go on;
+        if all have failed, the rest of the samples is left out.
     """
     sensors = {(c.sensor, c.seed): EventSensor(c.sensor, seed=c.seed) for c in configs}
     tallies = {key: EventTally() for key in sensors}
-    results = [RunResult(tallies[c.sensor, c.seed]) for c in configs]
-    detectors = [make_detector(config) for config in configs]
+    results = [RunResult(tallies[c.sensor, c.seed], make_feed(c)) for c in configs]
     track = TargetTrack()
     for sample in samples:
         add_truth(track, sample.truth)
@@ -59,16 +61,14 @@ def run_side_by_side(
         }
         for key, output in outputs.items():
             tallies[key].add(output)
-        for config, detector, result in zip(configs, detectors, results, strict=True):
+        for config, result in zip(configs, results, strict=True):
             output = outputs[config.sensor, config.seed]
-            result.estimates += feed(
-                detector,
-                output.events,
-                until_us=sample.t_us + 1,
-                frames=output.aps_frames,
-                earlier=result.estimates,
+            result.estimates += result.feed.feed(
+                output.events, until_us=sample.t_us + 1, frames=output.aps_frames
             )
         progress(sample.t_us)
+        if all(result.feed.failure for result in results):
+            break
     return results, track
 
 
@@ -88,7 +88,12 @@ def run_repeats(
 
     Returns:
         The estimates for each seed, and the track of the target.
+
+    Raises:
+        MethodError: the detector failed.
     """
     runs = [replace(config, seed=seed) for seed in seeds]
     results, track = run_side_by_side(runs, samples, progress)
+    for result in results:
+        result.feed.raise_failure()
     return [result.estimates for result in results], track

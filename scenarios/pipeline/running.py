@@ -10,11 +10,14 @@ from dataclasses import dataclass
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyDetector
 from emulator import EventSensor, SensorOutput
-from scenarios.pipeline.feeding import feed
+from emulator.sensor import sensor_bytes
+from flybench.memory import check_memory
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.user_detectors import find_method
 from sim import Crossing, GroundTruth, Intrinsics, LuminanceCache, Sample
+from sim.render.filament import rendering_bytes
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,32 @@ def make_detector(config: RunConfig) -> Detector:
     return find_method(config.method).make(**size)
 
 
+def make_feed(config: RunConfig) -> DetectorFeed:
+    """Return a fresh detector for the method and the sensor of `config`, ready to be fed.
+
+    Raises:
+        MethodError: the method does not exist, or does not follow the protocol.
+    """
+    sensor = config.sensor
+    detector = make_detector(config)
+    return DetectorFeed(config.method, detector, width=sensor.width, height=sensor.height)
+
+
+def check_run_memory(config: RunConfig) -> None:
+    """Refuse a run whose scene, sensor and detector do not fit into memory together.
+
+    Raises:
+        MemoryBudgetError: they do not fit into the memory budget.
+        MethodError: the detector does not exist, or does not follow the protocol.
+    """
+    detector, sensor = make_detector(config), config.sensor
+    intrinsics = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
+    needed = sensor_bytes(sensor) + rendering_bytes(intrinsics, config.crossing.supersample)
+    what = f"Rendering and emulation of {sensor.width}×{sensor.height} px"
+    check_memory(what, needed)
+    del detector  # counted until here
+
+
 def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
     """Add the target's position in a sample to a track."""
     centroid = truth.centroid_px
@@ -90,7 +119,7 @@ def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
 def run_steps(
     config: RunConfig,
     crossing: Crossing,
-    detector: Detector,
+    feed: DetectorFeed,
     watch: Stopwatch,
     record: Callable[[Sample, SensorOutput], None] = lambda _sample, _output: None,
 ) -> Iterator[Step]:
@@ -99,7 +128,7 @@ def run_steps(
     Args:
         config: configuration of the run.
         crossing: scene of the run.
-        detector: fresh detector.
+        feed: fresh detector; if it fails, the steps after that have no estimates.
         watch: stopwatch that takes the time of the stages "render", "emulate", "record" and
             "detect".
         record: function that writes the output of the sensor, before the detector sees it.
@@ -109,7 +138,6 @@ def run_steps(
     """
     sensor = EventSensor(config.sensor, seed=config.seed)
     samples = crossing.samples()
-    latest: list[MotionEstimate] = []
     while True:
         with watch.stage("render"):
             sample = next(samples, None)
@@ -120,12 +148,5 @@ def run_steps(
         with watch.stage("record"):
             record(sample, output)
         with watch.stage("detect"):
-            estimates = feed(
-                detector,
-                output.events,
-                until_us=sample.t_us + 1,
-                frames=output.aps_frames,
-                earlier=latest,
-            )
-        latest = estimates or latest
+            estimates = feed.feed(output.events, until_us=sample.t_us + 1, frames=output.aps_frames)
         yield Step(sample, output, estimates)

@@ -14,6 +14,7 @@ from emulator import SensorOutput
 from flybench.events import Cause
 from scenarios.output.atomic_folder import GENERATOR
 from scenarios.output.versions import versions
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.registry import is_fly
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import TargetTrack, score_estimates
@@ -46,7 +47,7 @@ def summarise(
     config: RunConfig,
     crossing: Crossing,
     tally: EventTally,
-    estimates: Sequence[MotionEstimate],
+    scores: dict[str, Any],
     track: TargetTrack,
 ) -> dict[str, Any]:
     """Return everything about a run that is not an array, ready for JSON, except its wall time.
@@ -57,12 +58,9 @@ def summarise(
         config: configuration of the run.
         crossing: scene of the run.
         tally: counts of its events.
-        estimates: all estimates of the detector.
+        scores: scores of the detector; see `method_scores`.
         track: ground truth of the target's position.
     """
-    scores = {"method": config.method} | score_estimates(
-        estimates, config.crossing.direction, track.in_view_us, track
-    )
     return {
         "generator": GENERATOR,
         "parameters": asdict(config) | {"crossing": config.crossing.resolved()},
@@ -73,6 +71,24 @@ def summarise(
         "events": tally.summary(),
         "detector": scores,
     } | ({"fly": scores} if is_fly(config.method) else {})
+
+
+def method_scores(
+    feed: DetectorFeed, estimates: Sequence[MotionEstimate], config: RunConfig, track: TargetTrack
+) -> dict[str, Any]:
+    """Return the name of a detector and its scores; the reason instead of scores if it failed.
+
+    Args:
+        feed: the detector.
+        estimates: all its estimates.
+        config: configuration of the run.
+        track: ground truth of the target's position.
+    """
+    if feed.failure is not None:
+        return {"method": feed.method, "failed": str(feed.failure), "estimates": len(estimates)}
+    direction = config.crossing.direction
+    scores = score_estimates(estimates, direction, track.in_view_us, track)
+    return {"method": feed.method} | scores
 
 
 def truth_summary(

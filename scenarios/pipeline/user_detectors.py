@@ -66,7 +66,7 @@ def _import(module_name: str, method: str) -> ModuleType:
         sys.path.append(here)
     try:
         return importlib.import_module(module_name)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         if isinstance(error, ModuleNotFoundError) and _is_part(error.name, module_name):
             raise MethodError(
                 f"The method is {method}, but Python finds no module {error.name}. Allowed are "
@@ -108,7 +108,7 @@ def _class_factory(method: str, module: ModuleType, class_name: str) -> Detector
     def make(*, width: int, height: int) -> Detector:
         try:
             detector: Detector = found(width=width, height=height)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise MethodError(f"{method} could not be created: {describe(error)}.") from error
         return detector
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +15,8 @@ from rerun.experimental import ViewerClient
 
 from scenarios.errors import ScenarioError
 from scenarios.recording.entities import TIMELINE
+from scenarios.recording.viewer_process import HOST, end_with_parent, free_port, viewer_program
 
-HOST = "127.0.0.1"
 TIMEOUT_S = 60.0
 """Longest time for the viewer to start or to load (assumed: far more than it needs)."""
 POLL_S = 0.1
@@ -103,10 +101,10 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
 
     It is started as a command, because the library's own function listens on the network.
     """
-    port = _free_port()
+    port = free_port()
     process = subprocess.Popen(
         [
-            *(sys.executable, "-m", "rerun_cli", "--headless", "--hide-welcome-screen"),
+            *(viewer_program(), "--headless", "--hide-welcome-screen"),
             *("--bind", HOST, "--port", str(port), "--window-size", "{}x{}".format(*size_px)),
         ],
         # The viewer shows log messages in front of the views, so only errors are logged.
@@ -114,6 +112,7 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
+        preexec_fn=end_with_parent(),
     )
     try:
         _wait_for_port(process, port)
@@ -121,15 +120,8 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
     except ConnectionError as error:
         raise ScreenshotError(NO_VIEWER) from error
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGTERM)
+        process.terminate()
         process.wait()
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind((HOST, 0))
-        return int(probe.getsockname()[1])
 
 
 def _wait_for_port(process: subprocess.Popen[bytes], port: int) -> None:

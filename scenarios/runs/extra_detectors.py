@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from detector.estimate import MotionEstimate
 from scenarios.errors import ScenarioError
-from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import Step
 from scenarios.pipeline.user_detectors import find_method
@@ -16,8 +16,7 @@ class ExtraDetector:
     """A further detector that gets the events and frames of a run.
 
     Attributes:
-        method: name of the detector.
-        detector: the detector.
+        feed: the detector.
         estimates: all estimates so far.
     """
 
@@ -28,17 +27,13 @@ class ExtraDetector:
             MethodError: the method does not exist, or does not follow the protocol.
         """
         size = {"width": config.sensor.width, "height": config.sensor.height}
-        self.method, self.detector = method, find_method(method).make(**size)
+        self.feed = DetectorFeed(method, find_method(method).make(**size), **size)
         self.estimates: list[MotionEstimate] = []
 
     def process(self, step: Step) -> list[MotionEstimate]:
         """Pass the sensor's output to the detector, and return the new estimates."""
-        new = feed(
-            self.detector,
-            step.output.events,
-            until_us=step.sample.t_us + 1,
-            frames=step.output.aps_frames,
-            earlier=self.estimates,
+        new = self.feed.feed(
+            step.output.events, until_us=step.sample.t_us + 1, frames=step.output.aps_frames
         )
         self.estimates += new
         return new

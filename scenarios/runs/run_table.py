@@ -10,32 +10,33 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.output.atomic_folder import GENERATOR, RECORDING
+from scenarios.output.streams import SafeConsole
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
 
+FAILED = "failed"
 Summaries = Sequence[tuple[Path, dict[str, Any]]]
 
 
 def print_runs(runs: Summaries) -> None:
     """Print the results of runs side by side, and the commands that open their recordings."""
-    console = Console()
+    console = SafeConsole()
     table = Table(title="flybench", title_justify="left")
     table.add_column("")
     for folder, _ in runs:
         table.add_column(folder.name, justify="right")
     rows = [_rows(summary) for _, summary in runs]
-    for name in rows[0]:
-        table.add_row(name, *(row[name] for row in rows))
+    for name in max(rows, key=len):  # a failed method has fewer
+        table.add_row(name, *(row.get(name, "–") for row in rows))
         if name in _SECTION_ENDS:
             table.add_section()
     console.print(table)
     for folder, _ in runs:
         line = f"{folder / RECORDING}   open it with: {view_command(folder)}"
-        console.print(line, soft_wrap=True, markup=False)
+        console.print(line, soft_wrap=True)
 
 
 _SECTION_ENDS = ("image speed", "hot pixels", "GRMS [1/s]")
@@ -84,6 +85,8 @@ def _events(summary: dict[str, Any]) -> dict[str, str]:
 
 
 def _detector(scores: dict[str, Any]) -> dict[str, str]:
+    if "failed" in scores:
+        return {"method": scores["method"], "verdict": FAILED}
     latency = scores["latency_ms"]
     return {
         "method": scores["method"],
@@ -103,7 +106,9 @@ def _other_detectors(all_scores: Sequence[dict[str, Any]]) -> dict[str, str]:
     """Return one line per method of `--also`."""
     return {
         f"also: {scores['method']}": (
-            f"{scores['direction']}, {format_percent(scores['accuracy'])} correct"
+            FAILED
+            if "failed" in scores
+            else f"{scores['direction']}, {format_percent(scores['accuracy'])} correct"
         )
         for scores in all_scores
     }

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
-from detector.estimate import Detector, MotionEstimate
+from detector.estimate import MotionEstimate
 from emulator import SensorOutput
 from formats import ENDINGS, EventWriter, open_writer
 from formats.writers.dsec import DsecWriter
@@ -26,18 +26,18 @@ from scenarios.output.tables import (
     truth_row,
     write_table,
 )
-from scenarios.pipeline.feeding import fly_maps
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import (
     TOTAL,
     Stopwatch,
     add_truth,
     make_crossing,
-    make_detector,
+    make_feed,
     run_steps,
 )
-from scenarios.pipeline.scoring import TargetTrack, score_estimates
-from scenarios.pipeline.summary import EventTally, summarise
+from scenarios.pipeline.scoring import TargetTrack
+from scenarios.pipeline.summary import EventTally, method_scores, summarise
 from scenarios.recording import SequenceRecorder
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
 from sim import Crossing, LuminanceCache, Sample
@@ -76,7 +76,8 @@ def record_run(
             written too if the format holds frames.
 
     Returns:
-        The contents of `summary.json`.
+        The contents of `summary.json`. A detector that failed has "failed", the reason, instead of
+        scores; see `failures`.
 
     Raises:
         OutputError: the folder was not written by flybench, or cannot be created.
@@ -106,25 +107,26 @@ def _run_into(
     extra: Sequence[ExtraDetector],
     events_formats: Sequence[EventsFormat],
 ) -> Any:
-    detector, crossing = make_detector(config), make_crossing(config, cache)
+    feed, crossing = make_feed(config), make_crossing(config, cache)
     tally, track = EventTally(), TargetTrack()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     with ExitStack() as stack:
         with watch.stage("record"):
-            recorder = stack.enter_context(_recorder(work, config, crossing, detector, extra))
+            feeds = [feed, *(other.feed for other in extra)]
+            recorder = stack.enter_context(_recorder(work, config, crossing, feeds))
             files = _open_event_files(stack, work, config, events_formats)
 
         def record(sample: Sample, output: SensorOutput) -> None:
             _write_events(files, output)
             recorder.log(sample, output)
 
-        for step in run_steps(config, crossing, detector, watch, record):
-            _log_estimates(recorder, config.method, detector, step.estimates, watch)
+        for step in run_steps(config, crossing, feed, watch, record):
+            _log_estimates(recorder, feed, step.estimates, watch)
             for other in extra:
                 with watch.stage("detect"):
                     new = other.process(step)
-                _log_estimates(recorder, other.method, other.detector, new, watch)
+                _log_estimates(recorder, other.feed, new, watch)
             tally.add(step.output)
             add_truth(track, step.sample.truth)
             estimates += step.estimates
@@ -134,9 +136,15 @@ def _run_into(
     write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
     for other in extra:
         rows = map(estimate_row, other.estimates)
-        write_table(work / estimates_file(other.method), ESTIMATE_COLUMNS, rows)
-    summary = summarise(config, crossing, tally, estimates, track)
-    return summary | {"detectors": [summary["detector"], *_extra_scores(config, extra, track)]}
+        write_table(work / estimates_file(other.feed.method), ESTIMATE_COLUMNS, rows)
+    scores = method_scores(feed, estimates, config, track)
+    others = [method_scores(other.feed, other.estimates, config, track) for other in extra]
+    return summarise(config, crossing, tally, scores, track) | {"detectors": [scores, *others]}
+
+
+def failures(summary: dict[str, Any]) -> list[str]:
+    """Return the reason of each detector that failed in a run."""
+    return [scores["failed"] for scores in summary["detectors"] if "failed" in scores]
 
 
 def estimates_file(method: str) -> str:
@@ -171,37 +179,24 @@ def _recorder(
     work: Path,
     config: RunConfig,
     crossing: Crossing,
-    detector: Detector,
-    extra: Sequence[ExtraDetector],
+    feeds: Sequence[DetectorFeed],
 ) -> SequenceRecorder:
-    detectors = {config.method: detector} | {other.method: other.detector for other in extra}
-    maps_of = next((name for name, d in detectors.items() if fly_maps(d) is not None), None)
+    maps_of = next((feed.method for feed in feeds if fly_maps(feed.detector) is not None), None)
     return SequenceRecorder(
         work / RECORDING,
         crossing=crossing,
         parameters=config.parameters(),
-        methods=list(detectors),
+        methods=[feed.method for feed in feeds],
         maps_of=maps_of,
     )
 
 
 def _log_estimates(
     recorder: SequenceRecorder,
-    method: str,
-    detector: Detector,
+    feed: DetectorFeed,
     estimates: Sequence[MotionEstimate],
     watch: Stopwatch,
 ) -> None:
     with watch.stage("record"):
         for estimate in estimates:
-            recorder.log_estimate(method, estimate, fly_maps(detector))
-
-
-def _extra_scores(
-    config: RunConfig, extra: Sequence[ExtraDetector], track: TargetTrack
-) -> list[dict[str, Any]]:
-    return [
-        {"method": other.method}
-        | score_estimates(other.estimates, config.crossing.direction, track.in_view_us, track)
-        for other in extra
-    ]
+            recorder.log_estimate(feed.method, estimate, fly_maps(feed.detector))

@@ -138,6 +138,7 @@ class SequenceEvaluation:
                 cpu_s=run.cpu_s,
                 events=run.events,
                 velocity_bias_px_s=None if errors is None else float(np.mean(errors)),
+                failure=None if run.feed.failure is None else str(run.feed.failure),
             )
 
 

@@ -6,13 +6,13 @@ import hashlib
 import json
 import os
 import shutil
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flybench.sources import SWEEP_POINT_SOURCES, sources_digest
+from scenarios.output.streams import complain
 from scenarios.output.versions import versions
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.result_json import result_from_json, result_to_json
@@ -89,10 +89,9 @@ def finished_sequences(folder: Path) -> Iterator[FinishedSequences]:
         with suppress(OSError):  # a worker may still be writing
             finished.remove_incomplete()
         if folder.exists() and finished.count():
-            print(
-                f"flybench: Finished sequences are kept in {folder} ({finished.count()}). To go "
-                "on, start the same command again.",
-                file=sys.stderr,
+            complain(
+                f"Finished sequences are kept in {folder} ({finished.count()}). To go on, start "
+                "the same command again."
             )
         raise
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,7 @@ class MethodRun:
         events: number of events given to the method.
         velocity_bias_px_s: mean error of the horizontal velocity over the same steps [px/s]; None
             like `velocity_error_px_s`.
+        failure: reason why the method failed; None if it did not.
     """
 
     method: str
@@ -63,6 +64,7 @@ class MethodRun:
     cpu_s: float
     events: int
     velocity_bias_px_s: float | None = None
+    failure: str | None = None
 
 
 @dataclass(frozen=True)
@@ -102,3 +104,24 @@ class SequenceResult:
     def image_speed_px_s(self) -> float:
         """Highest image speed of the vehicle, which it has at closest approach [px/s]."""
         return float(abs(self.velocity_px_s).max())
+
+
+def without_failed(
+    sequences: Sequence[SequenceResult],
+) -> tuple[list[SequenceResult], dict[str, str]]:
+    """Leave out every method that failed in any sequence, so that all methods can be compared.
+
+    Returns:
+        The sequences with the runs of the other methods, and the first reason of each failed
+        method by its name.
+    """
+    failed: dict[str, str] = {}
+    for sequence in sequences:
+        for run in sequence.runs:
+            if run.failure is not None:
+                failed.setdefault(run.method, f"{run.failure} (sequence {sequence.name})")
+    kept = [
+        replace(sequence, runs=tuple(run for run in sequence.runs if run.method not in failed))
+        for sequence in sequences
+    ]
+    return kept, failed

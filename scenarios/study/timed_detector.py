@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from detector.estimate import Detector, MotionEstimate
+from detector.estimate import MotionEstimate
 from detector.fly.detector import FlyMaps
 from emulator import ApsFrame, SensorOutput
 from flybench.events import EVENT_DTYPE, Events, concatenate_events
-from scenarios.pipeline.feeding import feed, fly_maps
+from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import CONTRAST, DETECTORS
 from scenarios.pipeline.user_detectors import find_method
 
@@ -39,30 +39,33 @@ class TimedDetector:
     """A detector that collects its estimates and measures its CPU time.
 
     Attributes:
-        method: name of the method.
+        feed: a fresh detector.
         seed: seed of the sensor.
-        detector: a fresh detector.
         estimates: all estimates so far.
         cpu_s: CPU time of all calls [s].
         events: number of events given to the detector.
     """
 
-    method: str
+    feed: DetectorFeed
     seed: int
-    detector: Detector
     estimates: list[MotionEstimate] = field(default_factory=list)
     cpu_s: float = 0.0
     events: int = 0
 
     @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.feed.method
+
+    @property
     def maps(self) -> FlyMaps | None:
         """Maps of a fly at its last estimate; None for other detectors."""
-        return fly_maps(self.detector)
+        return fly_maps(self.feed.detector)
 
     @property
     def config(self) -> Any | None:
         """Configuration of the detector, a dataclass; None for a user's class without one."""
-        config = getattr(self.detector, "config", None)
+        config = getattr(self.feed.detector, "config", None)
         return config if is_dataclass(config) else None
 
     def process(
@@ -79,9 +82,7 @@ class TimedDetector:
             The estimates that became due.
         """
         start_s = time.thread_time()
-        estimates = feed(
-            self.detector, events, until_us=until_us, frames=frames, earlier=self.estimates[-1:]
-        )
+        estimates = self.feed.feed(events, until_us=until_us, frames=frames)
         self.cpu_s += time.thread_time() - start_s
         self.events += events.size
         self.estimates += estimates
@@ -104,11 +105,12 @@ def make_timed_detector(
         MethodError: there is no such method.
         DetectorConfigError: the hop does not divide the window of contrast maximisation.
     """
+    size = {"width": width, "height": height}
     if method == CONTRAST:
-        changes = {"hop_us": contrast_hop_us}
-        detector = DETECTORS[method].make_with(changes, width=width, height=height)
-        return TimedDetector(method, seed, detector)
-    return TimedDetector(method, seed, find_method(method).make(width=width, height=height))
+        detector = DETECTORS[method].make_with({"hop_us": contrast_hop_us}, **size)
+    else:
+        detector = find_method(method).make(**size)
+    return TimedDetector(DetectorFeed(method, detector, **size), seed)
 
 
 def warm_up(detector: TimedDetector, *, width: int, height: int) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from flybench.files import open_regular
 from flybench.unfinished import lock_file
 from scenarios.errors import OutputError
 from scenarios.output.atomic_folder import SUMMARY, check_output_folder
@@ -79,7 +80,7 @@ def durable_file(path: Path) -> Iterator[Path]:
     part = path.with_name(_part(path.name))
     try:
         yield part
-        with part.open("rb") as file:
+        with open_regular(part) as file:
             os.fsync(file.fileno())
         part.replace(path)
     except OSError as error:

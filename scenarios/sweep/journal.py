@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from flybench.files import open_regular
 from scenarios.errors import OutputError
 from scenarios.sweep.measure import Results
 
@@ -34,7 +35,7 @@ class Journal:
         """
         self._path = path
         try:
-            self._file = path.open("a+b")
+            self._file = open_regular(path, "a+b")
             self._truncate_incomplete_line()
             self.done = self.read(path)
             _sync_folder(path.parent)

@@ -118,11 +118,16 @@ def _pin_threads() -> None:
     numba.set_num_threads(1)
 
 
-def _run_and_score(configs: Sequence[RunConfig], cache: CacheOptions) -> Iterable[Results]:
+def _run_and_score(
+    configs: Sequence[RunConfig], cache: CacheOptions
+) -> Iterable[Results | Failure]:
     crossing = make_crossing(configs[0], cache.open())
     runs, track = run_side_by_side(configs, crossing.samples())
     return (
-        _results(config, crossing, run, track) for config, run in zip(configs, runs, strict=True)
+        Failure(str(run.feed.failure))
+        if run.feed.failure
+        else _results(config, crossing, run, track)
+        for config, run in zip(configs, runs, strict=True)
     )
 
 

@@ -20,6 +20,7 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 
+from flybench.files import open_lock, open_regular
 from sim.cache.luminance_file import (
     DamagedError,
     LuminanceSample,
@@ -116,7 +117,8 @@ class LuminanceCache:
         """
         with suppress(DamagedError, OSError):
             path = self._path(key)
-            blob = read_blob(path.read_bytes(), key)
+            with open_regular(path) as file:
+                blob = read_blob(file.read(), key)
             os.utime(path)
             return blob
         blob = make()
@@ -129,7 +131,7 @@ class LuminanceCache:
         """Read the samples before any damage; none if there is no entry."""
         path = self._path(key)
         try:
-            with path.open("rb") as file:
+            with open_regular(path) as file:
                 with suppress(OSError):
                     os.utime(file.fileno())
                 yield from read_luminance(file, key, shape, count)
@@ -240,7 +242,7 @@ class LuminanceCache:
     @contextmanager
     def _locked(self) -> Iterator[None]:
         """Keep other processes out of the folder."""
-        with (self.folder / LOCK).open("wb") as lock:
+        with open_lock(self.folder / LOCK) as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield
 
@@ -276,7 +278,7 @@ class LuminanceCache:
 def _is_locked(path: Path) -> bool:
     """Return True if the writer of a partial entry lives."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         return True

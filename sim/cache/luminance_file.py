@@ -22,6 +22,7 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
+from flybench.files import open_regular
 from sim.cache.packing import add_change, pack_change, tags_shape
 from sim.geometry.rectangles import Rectangle
 
@@ -150,7 +151,7 @@ class PartialFile:
         Raises:
             OSError: its writer lives or has just completed or deleted it, or it cannot be opened.
         """
-        file = path.open("r+b")
+        file = open_regular(path, "r+b")
         try:
             return cls(path, key, file)
         except OSError:

@@ -44,7 +44,8 @@ def flow_px_s(visible: VisibilityMap, twists: F64, lens: Intrinsics) -> F32:
     Returns:
         (height, width, 2) float32, x and y [px/s].
     """
-    return np.asarray(_per_pixel(visible.body, visible.nearness, twists, _eye(lens), True))
+    maps = _stretched(twists, lens)
+    return np.asarray(_per_pixel(visible.body, visible.nearness, maps, _eye(lens), True))
 
 
 def displacement_px(visible: VisibilityMap, transforms: F64, lens: Intrinsics) -> F32:
@@ -60,7 +61,8 @@ def displacement_px(visible: VisibilityMap, transforms: F64, lens: Intrinsics) -
         (height, width, 2) float32, x and y [px]. The displaced point may lie outside the image or
         be occluded. The displacement is NaN where the point ends up behind the camera.
     """
-    return np.asarray(_per_pixel(visible.body, visible.nearness, transforms, _eye(lens), False))
+    maps = _stretched(transforms, lens)
+    return np.asarray(_per_pixel(visible.body, visible.nearness, maps, _eye(lens), False))
 
 
 def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
@@ -83,6 +85,30 @@ def twists_between(before: F64, now: F64, after: F64, apart_s: float) -> F64:
     return twist
 
 
+def triangle_rates(corners: F64, apart_s: float) -> F64:
+    """Return the velocities inside triangles that deform, from their corners at three times.
+
+    Args:
+        corners: (3, n, 3, 3) corners in the camera's frame half of `apart_s` before the time in
+            question, at that time, and half of `apart_s` after it [m].
+        apart_s: time from the first to the last [s].
+
+    Returns:
+        (n, 3, 4) for each triangle, the affine map from a position in its plane, in the camera's
+        frame, to the velocity there [1/s, m/s].
+    """
+    before, now, after = corners
+    rate = (after - before) / apart_s
+    edges, edge_rates = now[:, 1:] - now[:, :1], rate[:, 1:] - rate[:, :1]
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    # Rows: the two edges and the normal, along which the velocity does not change.
+    frame = np.concatenate([edges, normal[:, None]], axis=1)
+    change = np.concatenate([edge_rates, np.zeros_like(normal)[:, None]], axis=1)
+    linear = np.swapaxes(np.linalg.solve(frame, change), -1, -2)
+    shift = rate[:, 0] - (linear @ now[:, 0, :, None])[..., 0]
+    return np.concatenate([linear, shift[..., None]], axis=-1)
+
+
 def transforms_between(before: F64, after: F64) -> F64:
     """Return, for each body, the transform from the camera's frame at one time to another time.
 
@@ -97,7 +123,12 @@ def transforms_between(before: F64, after: F64) -> F64:
 
 
 def _eye(lens: Intrinsics) -> Projection:
-    return Projection(lens.focal_px, lens.width / 2, lens.height / 2)
+    return Projection(lens.focal_px, *lens.centre_px)
+
+
+def _stretched(maps: F64, lens: Intrinsics) -> F64:
+    """Return maps of the camera's frame as maps of the frame of `Intrinsics.stretched`."""
+    return np.asarray(lens.stretched(maps) / np.array([1.0, lens.aspect, 1.0, 1.0]))
 
 
 @compiled

@@ -9,11 +9,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.errors import SceneConfigError
+from sim.raster.height_field import height_field_triangles
+from sim.raster.rendered import rendered
 from sim.raster.scan_conversion import transform_triangles
 
-INFINITE_PLANE_HALF_SIDE_M = 50.0
-"""Half side of the square that stands for a plane without a size [m] (assumed)."""
+INFINITE_PLANE_HALF_SIDE_M = 100.0
+"""Half side of the square that the renderer renders for a plane without a size [m] (measured)."""
 
 F64 = npt.NDArray[np.float64]
 Triangles = npt.NDArray[np.float64]
@@ -22,12 +23,12 @@ Triangles = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TriangleSoup:
-    """All visible triangles of a model, each in the frame of its rigid body.
+    """All rendered triangles of a model's rigid bodies, each in the frame of its body.
 
     Attributes:
         triangles_m: (n, 3, 3) float64, in the body's frame [m].
         body: (n,) int32, number of the triangle's rigid body; 0 for what is fixed to the world.
-        geom: (n,) int32, number of the triangle's geom.
+        geom: (n,) int32, number of the triangle's geom; -1 for a site.
     """
 
     triangles_m: Triangles
@@ -51,30 +52,47 @@ class TriangleSoup:
         return np.asarray(transform_triangles(self.triangles_m, self.body, transforms))
 
 
-def triangle_soup(model: mujoco.MjModel) -> TriangleSoup:
-    """Return the visible geoms of a model as triangles.
+def triangle_soup(model: mujoco.MjModel, *, complete: bool = False) -> TriangleSoup:
+    """Return the rendered geoms of a model as triangles.
 
     Args:
-        model: model of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
-
-    Raises:
-        SceneConfigError: the model has a geom of another type.
+        model: the model.
+        complete: True to add the rendered sites, and the backs of planes. A camera that is below a
+            plane sees its back.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    rigid = model.body_weldid[model.geom_bodyid]
-    visible = np.flatnonzero(model.geom_rgba[:, 3] > 0)
-    by_geom = [_in_body_frame(model, data, int(k), int(rigid[k])) for k in visible]
-    counts = [len(triangles) for triangles in by_geom]
+    geoms = _soup_of(model, data, "geom")
+    if not complete:
+        return geoms
+    is_plane = model.geom_type[geoms.geom] == mujoco.mjtGeom.mjGEOM_PLANE
+    backs = geoms.subset(np.asarray(is_plane))
+    soups = (geoms, _soup_of(model, data, "site"), backs)
     return TriangleSoup(
-        np.concatenate([*by_geom, np.empty((0, 3, 3))]),
-        np.repeat(rigid[visible], counts).astype(np.int32),
-        np.repeat(visible, counts).astype(np.int32),
+        np.concatenate([*(s.triangles_m for s in soups[:2]), backs.triangles_m[:, ::-1]]),
+        np.concatenate([soup.body for soup in soups]),
+        np.concatenate([soup.geom for soup in soups]),
     )
 
 
-def _in_body_frame(model: mujoco.MjModel, data: mujoco.MjData, geom: int, body: int) -> Triangles:
-    world = geom_triangles(model, data, geom)
+def _soup_of(model: mujoco.MjModel, data: mujoco.MjData, kind: str) -> TriangleSoup:
+    """Return the rendered elements of one kind, "geom" or "site"."""
+    rigid = model.body_weldid[getattr(model, f"{kind}_bodyid")]
+    numbers = np.flatnonzero(rendered(model, kind))
+    pieces = [_in_body_frame(model, data, kind, int(k), int(rigid[k])) for k in numbers]
+    counts = [len(triangles) for triangles in pieces]
+    geoms = numbers if kind == "geom" else np.full(len(numbers), -1)
+    return TriangleSoup(
+        np.concatenate([*pieces, np.empty((0, 3, 3))]),
+        np.repeat(rigid[numbers], counts).astype(np.int32),
+        np.repeat(geoms, counts).astype(np.int32),
+    )
+
+
+def _in_body_frame(
+    model: mujoco.MjModel, data: mujoco.MjData, kind: str, number: int, body: int
+) -> Triangles:
+    world = element_triangles(model, data, kind, number)
     return np.asarray((world - data.xpos[body]) @ data.xmat[body].reshape(3, 3))
 
 
@@ -88,26 +106,57 @@ def unit_normals(triangles: Triangles) -> F64:
 
 def geom_triangles(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Triangles:
     """Return a geom's triangles in the world frame."""
-    kind = mujoco.mjtGeom(model.geom_type[geom])
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
-        local = _mesh(model, int(model.geom_dataid[geom]))
-    elif kind in _SHAPES:
-        quality = model.vis.quality
-        local = _SHAPES[kind](model.geom_size[geom], quality.numslices, quality.numstacks)
+    return element_triangles(model, data, "geom", geom)
+
+
+def element_triangles(
+    model: mujoco.MjModel, data: mujoco.MjData, kind: str, number: int
+) -> Triangles:
+    """Return the triangles of a geom or a site in the world frame.
+
+    Args:
+        model: the model.
+        data: its poses.
+        kind: "geom" or "site".
+        number: number of the element.
+    """
+
+    def of(array: str, source: mujoco.MjModel | mujoco.MjData = model) -> npt.NDArray[np.float64]:
+        return np.asarray(getattr(source, f"{kind}_{array}")[number])
+
+    shape, quality = mujoco.mjtGeom(of("type")), model.vis.quality
+    if shape in _MESHES:
+        local = _mesh(model, int(of("dataid")), in_own_frame=kind == "site")
+    elif shape == mujoco.mjtGeom.mjGEOM_HFIELD:
+        local = height_field_triangles(model, int(of("dataid")))
     else:
-        allowed = ", ".join(shape.name for shape in (*_SHAPES, mujoco.mjtGeom.mjGEOM_MESH))
-        raise SceneConfigError(
-            f"geom {geom} has the type {kind.name}, which cannot be converted to triangles. "
-            f"Allowed are {allowed}. Replace the geom by one of these."
-        )
-    world: Triangles = local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-    return world
+        local = shape_triangles(shape, of("size"), quality.numslices, quality.numstacks)
+    return np.asarray(local @ of("xmat", data).reshape(3, 3).T + of("xpos", data))
 
 
-def _mesh(model: mujoco.MjModel, mesh: int) -> Triangles:
-    vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+def shape_triangles(shape: mujoco.mjtGeom, size: F64, slices: int, stacks: int) -> Triangles:
+    """Return the facets of a plane, sphere, capsule, ellipsoid, cylinder or box in its own frame.
+
+    Args:
+        shape: type of the shape.
+        size: (3,) size as in MuJoCo's geoms [m].
+        slices: number of facets around its axis.
+        stacks: number of rings of facets of a sphere, or of each end of a capsule.
+    """
+    return _SHAPES[shape](size, slices, stacks)
+
+
+def _mesh(model: mujoco.MjModel, mesh: int, *, in_own_frame: bool) -> Triangles:
+    """Return a mesh in the frame of its inertia, or in the frame that its file has."""
+    vertices = np.asarray(
+        model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]], np.float64
+    )
     faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
-    return np.asarray(vertices[faces], np.float64)
+    if in_own_frame:
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, model.mesh_quat[mesh])
+        vertices = vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh]
+    return np.asarray(vertices[faces])
 
 
 def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
@@ -118,7 +167,8 @@ def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
 
 
 def _plane(size: F64, slices: int, stacks: int) -> Triangles:
-    half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE_HALF_SIDE_M)
+    infinite = np.any(size[:2] <= 0)
+    half = np.full(2, INFINITE_PLANE_HALF_SIDE_M) if infinite else size[:2]
     flat: Triangles = _box(np.ones(3), slices, stacks)[:2] * [*half, 0.0]
     return flat
 
@@ -170,6 +220,7 @@ def _without_slivers(triangles: Triangles) -> Triangles:
     return triangles[np.any(unit_normals(triangles) != 0.0, axis=1)]
 
 
+_MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_SDF)
 _SHAPES: dict[mujoco.mjtGeom, Callable[[F64, int, int], Triangles]] = {
     mujoco.mjtGeom.mjGEOM_PLANE: _plane,
     mujoco.mjtGeom.mjGEOM_SPHERE: _sphere,

@@ -11,7 +11,7 @@ from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
 from sim.raster.scan_conversion import NO_LABEL, empty_buffer, project_triangles, rasterise
-from sim.raster.triangles import TriangleSoup
+from sim.raster.triangles import Triangles, TriangleSoup
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -24,7 +24,7 @@ class VisibilityMap:
 
     Attributes:
         body: (height, width) int32, number of the rigid body; 0 for what is fixed to the world,
-            -1 for the sky.
+            -1 for the sky. `PhotometricCamera.visible` adds numbers for what deforms.
         nearness: (height, width) float32, 1/depth along the optical axis [1/m]; 0 for the sky.
     """
 
@@ -52,12 +52,30 @@ def visibility_map(
         nearness, body = empty_buffer(lens.height, lens.width)
     else:
         nearness, body = before.nearness.copy(), before.body.copy()
-    in_camera = soup.transformed(compose_transforms(poses, pose.world_to_camera))
-    projected, source = project_triangles(
-        in_camera, lens.focal_px, lens.width / 2, lens.height / 2, NEAR_M
-    )
+    view = lens.stretched(pose.world_to_camera)
+    in_camera = soup.transformed(compose_transforms(poses, view))
+    projected, source = project_triangles(in_camera, lens.focal_px, *lens.centre_px, NEAR_M)
     rasterise(projected, soup.body[source], 0, 0, nearness, body, True)
     return VisibilityMap(body, nearness)
+
+
+def overlay_triangles(
+    visible: VisibilityMap, triangles_m: Triangles, first: int, pose: Pose, lens: Intrinsics
+) -> None:
+    """Write single triangles over a visibility map, in place.
+
+    Args:
+        visible: map of everything else.
+        triangles_m: (n, 3, 3) triangles in the world [m].
+        first: number to write for the first triangle; the others follow.
+        pose: pose of the camera.
+        lens: intrinsics of the camera.
+    """
+    view = lens.stretched(pose.world_to_camera)
+    in_camera = np.asarray(triangles_m @ view[:, :3].T + view[:, 3])
+    projected, source = project_triangles(in_camera, lens.focal_px, *lens.centre_px, NEAR_M)
+    label = (first + source).astype(np.int32)
+    rasterise(projected, label, 0, 0, visible.nearness, visible.body, True)
 
 
 def overlay_movers(

@@ -23,18 +23,35 @@ from sim.errors import RendererError
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
+from sim.render.draw_order import DrawOrder
 from sim.render.free_memory import return_free_memory
+from sim.render.illumination import Illumination
+from sim.render.luminance_model import has_linear_colours
+from sim.render.model_state import update_poses
 from sim.render.quiet_output import suppress_output
+from sim.render.sky_and_sun import SkyAndSun, neutral_options
 from sim.render.vulkan import require_vulkan
 
 EXPOSURE = 2.604e-5
 """Factor that Filament applies to luminance at its default exposure (f/16, 1/125 s, ISO 100)."""
-NO_SHADOW_GROUP = 2
-"""Geoms of this group cast no shadow, because every geom that does makes the shadow pass slower."""
 FAR_M = 120.0
 """Distance of the far clipping plane, beyond both ends of the street [m] (assumed)."""
 
+_BYTES_PER_PX = 100
+"""Memory of a crossing per rendered pixel (measured: 68 at 8×8 sub-pixels, 98 at 1280×720 px)
+[bytes]."""
+
 Luminance = npt.NDArray[np.float32]
+
+
+def rendering_bytes(intrinsics: Intrinsics, supersample: int) -> int:
+    """Return the memory that images of this size need, without that of scene and driver [bytes].
+
+    Args:
+        intrinsics: lens and sensor.
+        supersample: rendered pixels per sensor pixel and axis.
+    """
+    return _BYTES_PER_PX * intrinsics.width * intrinsics.height * (supersample**2 + 1)
 
 
 class FilamentRenderer:
@@ -44,12 +61,18 @@ class FilamentRenderer:
         intrinsics: lens and sensor.
     """
 
-    def __init__(self, model: mujoco.MjModel, intrinsics: Intrinsics) -> None:
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        intrinsics: Intrinsics,
+        illumination: Illumination | None = None,
+    ) -> None:
         """Set up the renderer.
 
         Args:
             model: model with photometric lights; see `sim.render.luminance_model`.
             intrinsics: lens and sensor.
+            illumination: light that replaces the model's lights and rendering options; None: these.
 
         Raises:
             RendererError: this machine has no Vulkan device.
@@ -60,15 +83,19 @@ class FilamentRenderer:
             self._context = mjrf.Context(_context_config(software))
         self._context.set_clear_color([0.0, 0.0, 0.0])
         self._scene = self._context.create_scene(mjrf.SceneParams())
-        self._scene.configure_from_model(model)
         self._resources = mjrf.ModelResources(self._context, model)
-        self._lights = mjrf.ModelLights(self._scene, self._resources)
+        if illumination is None:
+            self._scene.configure_from_model(model)
+            self._lights: Any = mjrf.ModelLights(self._scene, self._resources)
+        else:
+            linear = has_linear_colours(model)
+            self._scene.configure_from_model(neutral_options(linear_colours=linear))
+            self._lights = SkyAndSun(self._context, self._scene, illumination)
         self._renderables = mjrf.ModelRenderables(self._scene, self._resources)
-        self._renderables.update(mujoco.MjData(model))  # the first update creates them
-        self._shadowless = [
-            self._renderable(int(geom))
-            for geom in np.flatnonzero(model.geom_group == NO_SHADOW_GROUP)
-        ]
+        data = mujoco.MjData(model)
+        update_poses(model, data)  # without poses, a skin or flex crashes the first update
+        self._renderables.update(data)  # creates them
+        self._draw_order = DrawOrder(self._context, self._resources, model)
         self._targets: dict[Any, Any] = {}
 
     def __enter__(self) -> FilamentRenderer:
@@ -82,7 +109,7 @@ class FilamentRenderer:
         with suppress_output():
             for name in (
                 "_targets",
-                "_shadowless",
+                "_draw_order",
                 "_renderables",
                 "_lights",
                 "_resources",
@@ -96,8 +123,7 @@ class FilamentRenderer:
         """Move geoms and lights to their poses in `data`, whose kinematics must be up to date."""
         self._lights.update(data)
         self._renderables.update(data)
-        for renderable in self._shadowless:  # the update has reset this flag
-            renderable.set_cast_shadow(False)
+        self._draw_order.update(data)
 
     def luminance(self, pose: Pose, rectangle: Rectangle, *, supersample: int = 2) -> Luminance:
         """Render the anti-aliased luminance of a rectangle of the image.
@@ -199,7 +225,8 @@ class FilamentRenderer:
         read.set_buffer(image)
         request = self._request(pose, rectangle, scale, target, **options)
         try:
-            self._context.wait_for_frame(self._context.render([request], [read]))
+            requests = self._draw_order.requests(request)
+            self._context.wait_for_frame(self._context.render(requests, [read]))
         except RuntimeError as error:
             raise RendererError(_DEVICE_LOST) from error
         if not is_colour and np.isnan(image[0, 0]):
@@ -244,15 +271,16 @@ def _context_config(software: bool) -> Any:
 
 
 def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
-    half_width = NEAR_M * intrinsics.width / 2 / intrinsics.focal_px
-    half_height = NEAR_M * intrinsics.height / 2 / intrinsics.focal_px
+    focal_x, focal_y = intrinsics.focal_px, intrinsics.focal_px * intrinsics.aspect
+    above = intrinsics.centre_px[1]
     return mjrf.Camera(
         pos=pose.position_m.astype(np.float32),
         forward=pose.forward.astype(np.float32),
         up=pose.up.astype(np.float32),
-        frustum_bottom=-half_height,
-        frustum_top=half_height,
+        frustum_bottom=NEAR_M * (above - intrinsics.height) / focal_y,
+        frustum_top=NEAR_M * above / focal_y,
+        frustum_center=-NEAR_M * intrinsics.axis_px[0] / focal_x,
         frustum_near=NEAR_M,
         frustum_far=FAR_M,
-        frustum_width=half_width,
+        frustum_width=NEAR_M * intrinsics.width / 2 / focal_x,
     )

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 import mujoco
+import numpy as np
 
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics
 
-ASPECT_TOLERANCE = 1e-3
-"""Relative difference between a pixel's width and height up to which it counts as square
-(assumed)."""
+SQUARE_TOLERANCE = 1e-6
+"""Relative difference between two focal lengths up to which pixels count as square (assumed; MuJoCo
+stores them as float32)."""
 
 
 def camera_id(model: mujoco.MjModel, camera: str) -> int:
@@ -34,10 +35,11 @@ def camera_id(model: mujoco.MjModel, camera: str) -> int:
 def camera_intrinsics(
     model: mujoco.MjModel, camera: str, *, width: int | None = None, height: int | None = None
 ) -> Intrinsics:
-    """Return the image size and the focal length of a model's camera.
+    """Return the intrinsics of a model's camera.
 
-    A model gives the focal length by `fovy`, the vertical field of view, or by `focal` and
-    `sensorsize`. MuJoCo computes `fovy` in the second case.
+    A model gives the vertical field of view, `fovy`, and pixels are square. Or it gives
+    `sensorsize`, `focal` and perhaps `principal`. Then the whole sensor fills the image, whatever
+    the shape of both, as in MuJoCo's own renderers.
 
     Args:
         model: model with the camera.
@@ -47,7 +49,7 @@ def camera_intrinsics(
 
     Raises:
         SceneConfigError: the model has no such camera; the image has no size; or the camera is
-            orthographic, has its optical axis off the middle, or has pixels that are not square.
+            orthographic.
     """
     k = camera_id(model, camera)
     width = int(model.cam_resolution[k, 0]) if width is None else width
@@ -62,22 +64,13 @@ def camera_intrinsics(
             f"camera {camera!r} is orthographic. Allowed is a perspective camera. Remove its "
             "projection attribute."
         )
-    focal_px = height / 2 / math.tan(math.radians(float(model.cam_fovy[k])) / 2)
-    if model.cam_sensorsize[k].all():
-        _check_sensor(model, camera, k, width, focal_px)
-    return Intrinsics(width, height, focal_px)
-
-
-def _check_sensor(model: mujoco.MjModel, camera: str, k: int, width: int, focal_px: float) -> None:
-    across_px = float(model.cam_intrinsic[k, 0] / model.cam_sensorsize[k, 0]) * width
-    if abs(across_px / focal_px - 1) > ASPECT_TOLERANCE:
-        raise SceneConfigError(
-            f"camera {camera!r} has a focal length of {across_px:.2f} px across and "
-            f"{focal_px:.2f} px down. Allowed are square pixels. Make sensorsize proportional to "
-            "the image size, and give one focal length."
-        )
-    if model.cam_intrinsic[k, 2:].any():
-        raise SceneConfigError(
-            f"camera {camera!r} has its optical axis {model.cam_intrinsic[k, 2:].tolist()} m off "
-            "the middle of the sensor. Allowed is 0. Remove its principal attribute."
-        )
+    focal_y = height / 2 / math.tan(math.radians(float(model.cam_fovy[k])) / 2)
+    if not model.cam_sensorsize[k].all():
+        return Intrinsics(width, height, focal_y)
+    focal_x, _, right, down = model.cam_intrinsic[k] / np.tile(model.cam_sensorsize[k], 2)
+    focal_x, aspect = focal_x * width, focal_y / (focal_x * width)
+    if abs(aspect - 1) < SQUARE_TOLERANCE:
+        focal_x, aspect = focal_y, 1.0
+    # MuJoCo moves the image by `principal`, to the right and down, and thus the axis back.
+    axis_px = (0.0 - float(right) * width, 0.0 - float(down) * height)
+    return Intrinsics(width, height, float(focal_x), float(aspect), axis_px)

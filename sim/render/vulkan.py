@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import os
 import sys
 from dataclasses import dataclass
 
 from sim.errors import RendererError
 
 INSTALL_COMMAND = "apt-get install -y libvulkan1 mesa-vulkan-drivers"
+VECTOR_WIDTH = "LP_NATIVE_VECTOR_WIDTH"
+"""Environment variable that sets the width of the software renderer's vectors [bit]."""
+MIN_VECTOR_WIDTH = 256
+"""Narrowest vectors that work. With 0, 64 and 128, Mesa 22.3.6 corrupts memory as soon as there are
+shadows, also in a program that uses nothing but MuJoCo; 256 and 512 work (measured)."""
 _TYPE_CPU = 4  # VK_PHYSICAL_DEVICE_TYPE_CPU
 _VULKAN_1_1 = 1 << 22 | 1 << 12
 
@@ -118,7 +124,8 @@ def require_vulkan() -> bool:
         devices are not checked.
 
     Raises:
-        RendererError: this is Linux and there is no Vulkan device.
+        RendererError: this is Linux, and there is no Vulkan device, or its software renderer is
+            set to vectors with which it fails.
     """
     if not sys.platform.startswith("linux"):
         return False
@@ -128,7 +135,25 @@ def require_vulkan() -> bool:
             "found no Vulkan device. Rendering needs one; a software driver on the CPU is enough. "
             f"Install a driver with `sudo {INSTALL_COMMAND}` (Debian, Ubuntu)."
         )
-    return all(device.is_software for device in devices)
+    software = all(device.is_software for device in devices)
+    if software and (problem := vector_width_problem()):
+        raise RendererError(problem)
+    return software
+
+
+def vector_width_problem() -> str | None:
+    """Return what is wrong with `LP_NATIVE_VECTOR_WIDTH` and what to do; None: nothing is."""
+    value = os.environ.get(VECTOR_WIDTH, "")
+    try:
+        narrow = int(value, 0) < MIN_VECTOR_WIDTH
+    except ValueError:  # Mesa ignores what is not a number
+        return None
+    if not narrow:
+        return None
+    return (
+        f"{VECTOR_WIDTH} is {value}, with which Mesa's software renderer corrupts memory and ends "
+        f"the program. Allowed is {MIN_VECTOR_WIDTH} or more. Unset the variable."
+    )
 
 
 def _handles(vulkan: ctypes.CDLL, instance: ctypes.c_void_p) -> list[ctypes.c_void_p]:

@@ -219,7 +219,7 @@ class FacadeBuilder:
             size=size,
             pos=place,
             material=material,
-            group=2 if flat else 1,
+            castshadow=not flat,
             quat=[math.cos(slope_rad / 2), math.sin(slope_rad / 2), 0, 0],
         )
 

@@ -135,7 +135,7 @@ def _sign(spec: mujoco.MjSpec, x: float, rng: np.random.Generator) -> None:
             size=[radius, 0.015, 0],
             pos=[x, y, z],
             material=material,
-            group=2,
+            castshadow=False,
         )
         disc.quat = [math.sqrt(0.5), math.sqrt(0.5), 0, 0]
 
@@ -162,11 +162,15 @@ def _cylinder(
         size=[radius, half_height, 0],
         pos=[*place, z],
         material=material,
-        group=2 if flat else 1,
+        castshadow=not flat,
     )
 
 
 def _box(spec: mujoco.MjSpec, size: list[float], place: list[float], material: str) -> None:
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=place, material=material, group=2
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=size,
+        pos=place,
+        material=material,
+        castshadow=False,
     )

@@ -184,7 +184,7 @@ def _add_bough(
         size=[0.04, 0.04, 0],
         material="bark",
         mass=1,
-        group=2,
+        castshadow=False,
     )
 
 

@@ -6,8 +6,6 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.render.filament import NO_SHADOW_GROUP
-
 F64 = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int64]
 
@@ -30,7 +28,7 @@ def shadow_casting_geoms(
         corners_m: (8, 3) corners of the object's bounding box in the world [m].
     """
     centre = corners_m.mean(axis=0)
-    casting = candidates[model.geom_group[candidates] != NO_SHADOW_GROUP]
+    casting = candidates[model.geom_castshadow[candidates]]
     radius_m = np.linalg.norm(corners_m - centre, axis=1).max()
     bound_m = model.geom_rbound[casting]
     offset = data.geom_xpos[casting] - centre

@@ -15,7 +15,6 @@ from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
 from sim.raster.triangles import TriangleSoup
-from sim.render.filament import NO_SHADOW_GROUP
 from sim.scene.moving_objects import MovingObject
 from sim.shadows.affected_rectangles import beam_rectangle, shadow_rectangle
 from sim.shadows.shadow_maps import (
@@ -158,7 +157,7 @@ class ShadowBeamRenderer:
             SceneConfigError: there are more than `MAX_SHADOWS` pairs of object and light.
         """
         self._model, self._finder = model, finder
-        casting = model.geom_group[movers.geom] != NO_SHADOW_GROUP
+        casting = model.geom_castshadow[movers.geom]
         self._casters = {
             o.name: movers.subset(casting & np.isin(movers.body, o.bodies)) for o in finder.objects
         }

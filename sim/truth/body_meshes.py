@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.raster.rendered import element_rgba, rendered
 from sim.raster.triangles import geom_triangles, unit_normals
 from sim.scene.scene import Scene
 from sim.scene.srgb import encoded
@@ -85,10 +86,7 @@ def body_meshes(model: mujoco.MjModel) -> list[BodyMesh]:
     of its texture. Colours are taken as linear reflectances.
 
     Args:
-        model: model made of boxes, cylinders, capsules, ellipsoids, spheres, meshes and planes.
-
-    Raises:
-        SceneConfigError: the model has a geom of another type.
+        model: the model.
     """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -113,7 +111,7 @@ def _merged(
     texels: list[F64],
 ) -> BodyMesh:
     """Merge the geoms of one body; `texels` holds the mean texel of every texture."""
-    visible = [int(k) for k in geoms if model.geom_rgba[k, 3] > 0]
+    visible = [int(k) for k in geoms[rendered(model, "geom")[geoms]]]
     soups = [geom_triangles(model, data, k) for k in visible] or [np.empty((0, 3, 3))]
     colours = [srgb(_linear_colour(model, k, texels)) for k in visible]
     counts = [3 * len(soup) for soup in soups[: len(visible)]]
@@ -127,10 +125,10 @@ def _merged(
 
 
 def _linear_colour(model: mujoco.MjModel, geom: int, texels: list[F64]) -> F64:
+    colour = np.array(element_rgba(model, "geom")[geom, :3], np.float64)
     material = int(model.geom_matid[geom])
     if material < 0:
-        return np.array(model.geom_rgba[geom, :3], np.float64)
-    colour = np.array(model.mat_rgba[material, :3], np.float64)
+        return colour
     texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
     return colour * texels[texture] if texture >= 0 else colour
 

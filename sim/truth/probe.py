@@ -38,7 +38,11 @@ class TruthProbe:
         Args:
             scene: the scene, which is not changed.
             lens: intrinsics of the camera.
+
+        Raises:
+            SceneConfigError: the lens is not symmetric.
         """
+        lens.require_symmetry()
         self.geometry = DenseTruth(scene, lens)
         self._scene, self._lens = scene, lens
         self._visible_fractions = [

@@ -23,7 +23,7 @@ from detector.fly.model_variants import (
 )
 from detector.metrics import grms
 from emulator import EventSensor, SensorOutput
-from scenarios.pipeline.feeding import feed
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.registry import DETECTORS, FLY
 from scenarios.pipeline.user_detectors import find_method
 from tests.digests.exact import Case
@@ -57,11 +57,11 @@ def stream() -> list[SensorOutput]:
 def estimates(detector: Detector) -> list[MotionEstimate]:
     """Return all estimates of a detector that reads the stream step by step."""
     estimates: list[MotionEstimate] = []
+    feed = DetectorFeed("any", detector, width=WIDTH, height=HEIGHT)
     until_us = 1
     for output in stream():
-        estimates += feed(
-            detector, output.events, until_us=until_us, frames=output.aps_frames, earlier=estimates
-        )
+        estimates += feed.feed(output.events, until_us=until_us, frames=output.aps_frames)
+        feed.raise_failure()
         until_us += 2_000
     return estimates
 

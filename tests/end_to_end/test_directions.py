@@ -4,7 +4,7 @@ import pytest
 
 from flybench.direction import CARDINAL, Direction
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
+from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_feed, run_steps
 from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
@@ -24,9 +24,9 @@ def test_the_fly_reports_the_right_direction(lighting: Lighting, direction: Dire
             step_px=4.0,
         )
     )
-    crossing, detector = make_crossing(config), make_detector(config)
+    crossing, feed = make_crossing(config), make_feed(config)
     track, estimates = TargetTrack(), []
-    for step in run_steps(config, crossing, detector, Stopwatch()):
+    for step in run_steps(config, crossing, feed, Stopwatch()):
         add_truth(track, step.sample.truth)
         estimates += step.estimates
     found = score_estimates(estimates, direction, track.in_view_us, track)

@@ -65,13 +65,13 @@ def test_evt3_clock_overflows(tmp_path: Path, last_us: int) -> None:
     assert np.array_equal(read_events(path), events)
 
 
-@pytest.mark.parametrize("line", [b"2 2 \xff 1", b"2 2 \0 1", b"2 2 3 1 \xc2"])
+@pytest.mark.parametrize("line", [b"5002 2 \xff 1", b"5002 2 \0 1", b"5002 2 3 1 \xc2"])
 @pytest.mark.parametrize("size", [SIZE, None])
 def test_stray_bytes_in_text_are_refused(
     tmp_path: Path, line: bytes, size: tuple[int, int] | None
 ) -> None:
-    (tmp_path / "a.txt").write_bytes(b"1 2 3 1\n" + line + b"\n")
-    with pytest.raises(FormatError, match=r"line at byte 8|none of the formats"):
+    (tmp_path / "a.txt").write_bytes(b"5001 2 3 1\n" + line + b"\n")
+    with pytest.raises(FormatError, match=r"line at byte 11|none of the formats"):
         read_events(tmp_path / "a.txt", size=size)
 
 
@@ -127,7 +127,7 @@ def test_csv_truncated_in_its_header_is_refused(tmp_path: Path, text: str) -> No
 
 
 def test_a_wrong_polarity_is_not_taken_for_an_undistorted_x(tmp_path: Path) -> None:
-    (tmp_path / "a.txt").write_text("346 260\n0.1 1 1 7\n")
+    (tmp_path / "a.txt").write_text("346 260\n0.1 1 1 1\n0.2 2 1 0\n0.3 1 1 7\n")
     with pytest.raises(FormatError, match=r"p = 7\.0"):
         read_events(tmp_path / "a.txt")
 

@@ -2,6 +2,7 @@
 
 import gzip
 import os
+import re
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 from flybench.events import EVENT_DTYPE, check_events
-from formats import FormatError, open_events, read_events
+from flybench.memory import MemoryBudgetError
+from formats import FormatError, open_events, read_events, write_events
 from formats.columns import PARSED_DTYPE
 from tests.formats.sample_files import (
     FILE_MAKERS,
@@ -35,6 +37,8 @@ def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) 
         statistics = file.statistics
     assert (file.width, file.height) == SIZE
     assert file.size_source == ("the option" if size else "the file")
+    assert re.match(r"(µs|s), (as|because|from) \w+", file.header_fields["time unit"])
+    assert file.warnings == ()
     got = np.concatenate([chunk.events for chunk in chunks])
     assert np.array_equal(got, events)
     check_events(got, width=346, height=260)
@@ -207,21 +211,26 @@ def save_array(path: Path, array: np.ndarray) -> None:
         (lambda p: os.mkfifo(p), "not a regular file"),
         (lambda p: p.write_bytes(bytes(range(200, 256)) * 9), "none of the formats"),
         (lambda p: p.write_bytes(gzip.compress(b"3 1 1 1")), "gunzip"),
+        (lambda p: p.write_bytes(b"\0\0\0\x20ftypisom"), r"video \(MP4 or MOV\).*emulate"),
+        (lambda p: p.write_bytes(b"RIFF\x01\0\0\0AVI LIST"), r"video \(AVI\).*emulate"),
+        (lambda p: p.write_bytes(b"\x89PNG\r\n"), r"picture \(PNG\).*emulate"),
+        (lambda p: (p.mkdir(), (p / "1.png").touch()), "folder of pictures.*emulate"),
+        (lambda p: save_array(p, np.zeros((3, 5, 6), np.uint8)), "For pictures, use .* emulate"),
         (lambda p: p.write_bytes(b"#!AER-DAT1.0\r\n"), "Convert it"),
         (lambda p: p.write_text("no events here"), "no line of numbers"),
         (lambda p: p.write_text("1 2 3\n4 5 6\n"), "3 columns"),
         (lambda p: p.write_text("t,x,y\n1,2,3,4\n"), "name every column"),
         (lambda p: p.write_text("t,x,y,p\n"), "contains no events"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 x 1\n"), "line at byte 8 is '2 2 x 1'"),
-        (lambda p: p.write_bytes(b"% evt 3.0\n% end\n\0\x80"), "State it with --size"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 3"), "may be truncated"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 3 1\n1 2 3 1\n"), "event 2 has the timestamp 1 µs"),
-        (lambda p: p.write_text("9 9\n1 2 3 1\n2 10 3 1\n"), "x = 10.0. Allowed is 0 to 8"),
-        (lambda p: p.write_text("1 2 3 1\n2 2 3 7\n"), "p = 7.0"),
-        (lambda p: p.write_text("1 2.5 3 1\n2 2 3 1\n"), "Allowed is a whole number"),
+        (lambda p: p.write_text("5001 2 3 1\n5002 2 x 1\n"), "line at byte 11 is '5002 2 x 1'"),
+        (lambda p: p.write_bytes(b"% evt 3.0\n% end\n\0\x80"), "Give the size with --size"),
+        (lambda p: p.write_text("5001 2 3 1\n2 2 3"), "may be truncated"),
+        (lambda p: p.write_text("5001 2 3 1\n5002 2 3 1\n5001 2 3 1\n"), "event 2 has the time 50"),
+        (lambda p: p.write_text("9 9\n5001 2 3 1\n5002 10 3 1\n"), "x = 10.0. Allowed is 0 to 8"),
+        (lambda p: p.write_text("5001 2 3 1\n5002 2 3 7\n"), "p = 7.0"),
+        (lambda p: p.write_text("0.1 2.5 3 1\n0.2 2 3 1\n"), "Allowed is a whole number"),
         (lambda p: p.write_text("nan 2 3 1\n2 2 3 1\n"), "nan 2 3 1"),
-        (lambda p: p.write_text("99999999999999999999 2 3 1\n"), "not a finite number of us"),
-        (lambda p: save_array(p, np.zeros((3, 5))), "4 columns"),
+        (lambda p: p.write_text("99999999999999999999999999 2 3 1\n"), "not a finite number of ns"),
+        (lambda p: save_array(p, np.zeros((3, 5))), "four columns"),
         (lambda p: save_array(p, np.array([None])), "Python objects"),
         (lambda p: make_hdf5(p, images=np.zeros(3)), "contains no events"),
         (lambda p: make_hdf5(p, t=[1, 2], x=[1, 2], y=[1, 2], p=[1]), "equal length"),
@@ -238,6 +247,34 @@ def test_unreadable_files_raise_a_one_line_error(
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "advice"), [("a.xyz", "software that wrote it"), ("a.raw", "--format evt2, evt21")]
+)
+def test_only_what_may_be_raw_gets_advice_about_raw(tmp_path: Path, name: str, advice: str) -> None:
+    (tmp_path / name).write_bytes(bytes(range(200, 256)) * 9)
+    with pytest.raises(FormatError, match=advice) as caught:
+        read_events(tmp_path / name)
+    assert ("RAW file without" in str(caught.value)) == (name == "a.raw")
+
+
+@pytest.mark.parametrize(
+    ("line", "date"),
+    [
+        ("# Creation date: Mon Feb 10 10:57:27 AEDT 2020", "Mon Feb 10 10:57:27 AEDT 2020"),
+        ("# Creation time: 09:34AM March 03 2022", "09:34AM March 03 2022"),
+        ("# created Thu Jul 05 10:57:31 CEST 2012", "Thu Jul 05 10:57:31 CEST 2012"),
+        ("# This is a raw AE data file created by saveaerdat.m, version 2", None),
+    ],
+)
+def test_the_date_of_an_aedat2_file_is_shown(tmp_path: Path, line: str, date: str | None) -> None:
+    path = make_file(tmp_path, "davis.aedat", E)
+    first, rest = path.read_bytes().split(b"\n", 1)
+    more = f"\n{line}\r\n# Creation time: System.currentTimeMillis() 1581292647203\r\n".encode()
+    path.write_bytes(first + more + rest)
+    with open_events(path) as file:
+        assert file.header_fields.get("created") == date
+
+
 def test_wrong_options_are_refused(tmp_path: Path) -> None:
     path = make_file(tmp_path, "a.txt", E)
     for options, message in (
@@ -245,6 +282,7 @@ def test_wrong_options_are_refused(tmp_path: Path) -> None:
         ({"size": (0, 5)}, "0x5"),
         ({"time_unit": "min"}, "Allowed is one of s, ms, us, ns"),
         ({"format": "hdf5"}, "truncated or damaged"),
+        ({"format": "dat", "columns": "txyp"}, "is Prophesee DAT, which defines its columns"),
     ):
         with pytest.raises(FormatError, match=message):
             read_events(path, **options)
@@ -288,3 +326,14 @@ def test_a_recording_of_dv_is_read(tmp_path: Path) -> None:
     )  # the other began before the first event
     assert (frame.start_us, frame.end_us) == (40_000 - first_us, 49_000 - first_us)
     assert np.array_equal(frame.image, image.astype(np.uint16) * 4)
+
+
+def test_more_events_than_fit_into_memory_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "many.npz"
+    write_events(path, [np.zeros(100_000, EVENT_DTYPE)], width=4, height=4)
+    monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.001")
+    with pytest.raises(MemoryBudgetError, match="The list of the first 100000 events"):
+        read_events(path)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.commands import doctor
+from scenarios.commands import doctor, velocity_sweep
 from scenarios.commands.demo import Demo
 from scenarios.commands.doctor import Doctor
 from scenarios.commands.run import Run
@@ -17,7 +17,7 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.runs.run_table import print_runs
 from sim import Lighting
 from sim.errors import RendererError
-from sim.render.vulkan import INSTALL_COMMAND, VulkanDevice
+from sim.render.vulkan import INSTALL_COMMAND, VECTOR_WIDTH, VulkanDevice
 
 
 def test_doctor_shows_device_and_speed(
@@ -39,6 +39,17 @@ def test_doctor_names_what_to_install(
     monkeypatch.setattr(doctor, "vulkan_devices", no_devices)
     assert Doctor().execute() == 1
     assert INSTALL_COMMAND in capsys.readouterr().out
+
+
+def test_doctor_says_that_the_vectors_are_too_narrow(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(VECTOR_WIDTH, "128")
+    assert Doctor().execute() == 1
+    printed = capsys.readouterr().out
+    assert f"{VECTOR_WIDTH} is 128" in printed
+    assert "Unset the variable" in printed
+    assert "per second" not in printed
 
 
 def test_without_vulkan_a_run_ends_with_an_error(
@@ -90,6 +101,25 @@ def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
     assert len({row["grms"] for row in rows}) == 2  # one rendering, two sensors
     summary = json.loads((out / "summary.json").read_text())
     assert summary["spearman"] == {"day": {"0": None, "1": None}}
+
+
+def test_a_velocity_sweep_keeps_the_velocities_at_which_the_detector_works(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def measure(config: RunConfig, *_: object, **__: object) -> list[dict[str, object]]:
+        if config.crossing.omega_rad_s == 2.0:
+            raise MethodError("mine:Own: push raised an error")
+        return [{"omega_rad_s": config.crossing.omega_rad_s}]
+
+    printed: list[object] = []
+    monkeypatch.setattr(velocity_sweep, "measure_velocity", measure)
+    monkeypatch.setattr(velocity_sweep, "print_rows", printed.extend)
+    assert VelocitySweep(omegas=(1.0, 2.0, 2.5)).execute() == 1
+    assert printed == [{"omega_rad_s": 1.0}, {"omega_rad_s": 2.5}]
+    reason = "flybench: mine:Own: push raised an error (sequence day_right_2rad_s_seed0"
+    assert reason in capsys.readouterr().err
+    assert execute(VelocitySweep(omegas=(2.0,))) == 2
+    assert reason in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("seeds", [0, 101])

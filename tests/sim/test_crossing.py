@@ -168,7 +168,10 @@ def test_the_road_has_the_configured_illuminance(lighting: str, lux: float) -> N
     spec = build_spec(crossing.config)
     spec.add_material(name="patch", rgba=[1, 1, 1, 1], metallic=0, roughness=1)
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.5, 0.5, 0.005], material="patch", group=2
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=[0.5, 0.5, 0.005],
+        material="patch",
+        castshadow=False,
     )
     model = spec.compile()
     data = mujoco.MjData(model)

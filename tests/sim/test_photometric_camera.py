@@ -176,6 +176,21 @@ def test_a_spots_intensity_is_in_candela_and_the_diffuse_colour_scales_it() -> N
 
 
 @pytest.mark.parametrize(
+    ("attribute", "lux"), [("", 0), ('group="2"', 0), ('castshadow="false"', 1000)]
+)
+def test_a_geom_casts_a_shadow_unless_the_model_says_that_it_does_not(
+    attribute: str, lux: float
+) -> None:
+    """A plate between the sun and the floor, beside what the camera sees."""
+    sun = EXAMPLE_LIGHT.replace("0 0 -1", "1 0 -1")
+    plate = f'<geom type="box" size=".5 .5 .01" pos="-2 0 2" {attribute}/>'
+    model = room(light=sun, more=BALL + plate)
+    with PhotometricCamera(model, "down", **SIZE) as camera:
+        centre = camera.luminance(mujoco.MjData(model))[24, 32]
+    assert centre * np.pi == pytest.approx(lux * np.sqrt(0.5), rel=0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize(
     "light", ["", "<light/>", EXAMPLE_LIGHT.replace("/>", ' active="false"/>')]
 )
 def test_the_error_for_a_model_without_light_proposes_one(light: str) -> None:
@@ -208,21 +223,6 @@ def test_errors_name_missing_files(tmp_path: Path) -> None:
 def test_data_of_another_model_is_refused(eye: PhotometricCamera) -> None:
     with pytest.raises(SceneConfigError, match=r"has 7 positions\. Allowed is 1, "):
         eye.depth_m(mujoco.MjData(room()))
-
-
-def test_a_height_field_has_luminance_but_no_depth() -> None:
-    height_field = '<hfield name="h" nrow="4" ncol="4" size="1 1 1 .1"/>'
-    xml = ROOM.format(
-        light=EXAMPLE_LIGHT,
-        more=BALL + '<geom type="hfield" hfield="h"/>',
-        rgba="1 1 1",
-        text=LINEAR,
-    ).replace("</asset>", f"{height_field}</asset>")
-    model = mujoco.MjModel.from_xml_string(xml)
-    with PhotometricCamera(model, "down", **SIZE) as camera:
-        assert camera.luminance(mujoco.MjData(model)).min() > 0
-        with pytest.raises(SceneConfigError, match="mjGEOM_HFIELD"):
-            camera.depth_m(mujoco.MjData(model))
 
 
 def test_reading_a_closed_camera_is_refused(pendulum: mujoco.MjModel) -> None:

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from markupsafe import Markup
@@ -62,6 +63,7 @@ def write_report(
     claims: Sequence[Claim],
     parameters: Mapping[str, Any],
     figures: Sequence[Path] | None = None,
+    failed: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Write the report.
 
@@ -74,6 +76,7 @@ def write_report(
             "command" is the command that repeats the study. "methods" may hold configurations by
             method, where they differ from those of the registry.
         figures: files that `draw_figures` wrote for the same sequences; None: draw them.
+        failed: reasons of the methods that failed and are left out, by name.
 
     Raises:
         OSError: the page cannot be written.
@@ -92,6 +95,7 @@ def write_report(
         lightings=Counter(sequence.lighting for sequence in sequences),
         seeds=len(distinct(rows, "seed")),
         methods=[method_style(method).label for method in methods],
+        failed=failed,
         claims=claims,
         verdicts=verdict_groups(claims),
         symbols=_SYMBOLS,

@@ -115,5 +115,6 @@ def test_a_failed_point_is_printed_and_sets_the_exit_status(
     file.write_text(TINY.replace('"fly", "plane-fit"', f'"{FAILING}"'))
     assert Sweep(file, out=tmp_path / "out", jobs=1).execute() == 1
     printed = capsys.readouterr().out
-    assert f"failed: method = {FAILING}: RuntimeError: no nectar" in printed
+    assert f"failed: method = {FAILING}: {FAILING}: push raised an error after " in printed
+    assert "RuntimeError: no nectar (quick_sweep.py, line" in printed
     assert "1 of 1 points failed, so no table is written" in printed

@@ -1,13 +1,19 @@
 """`flybench view`: what it opens, and its errors."""
 
+import signal
+import socket
 import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
+from rerun import RecordingStream, TextLog
 
 from scenarios.commands import view
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_folder import RECORDING
+from scenarios.recording.viewer_process import free_port, is_free
 
 
 @pytest.fixture
@@ -56,13 +62,13 @@ def test_one_local_viewer_opens_all_recordings(
 ) -> None:
     called: list[list[str]] = []
 
-    def call(command: list[str]) -> int:
+    def call(command: list[str], **_: object) -> int:
         called.append(command)
         return 0
 
     monkeypatch.setattr(subprocess, "call", call)
-    assert view.View(study, web=True).execute() == 0
-    ((program, *files, bind, address, web),) = called
+    assert view.View(study, web=True, port=free_port()).execute() == 0
+    ((program, *files, bind, address, web, _, _, _, _),) = called
     assert Path(program).name == "rerun"
     assert [Path(file).stem for file in files] == ["day_1.21", "day_2.42", "night_1.07"]
     assert (bind, address, web) == ("--bind", "127.0.0.1", "--serve-web")
@@ -99,3 +105,58 @@ def test_the_error_without_a_display_names_the_alternatives(
     monkeypatch.setattr(view, "has_display", lambda: False)
     with pytest.raises(ScenarioError, match="--web"):
         view.View(study).execute()
+
+
+def test_a_port_in_use_is_refused_or_another_is_taken(
+    monkeypatch: pytest.MonkeyPatch, study: Path
+) -> None:
+    called: list[list[str]] = []
+
+    def call(command: list[str], **_: object) -> int:
+        called.append(command)
+        return 0
+
+    monkeypatch.setattr(subprocess, "call", call)
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with pytest.raises(ScenarioError, match=rf"--port is {port}, which is in use, .* another"):
+            view.View(study, web=True, port=port).execute()
+        monkeypatch.setattr(view, "WEB_PORT", port)
+        assert view.View(study, web=True).execute() == 0
+    ((*_, web, page, _, data),) = called
+    assert (web, page.isdecimal(), data.isdecimal()) == ("--web-viewer-port", True, True)
+    assert page != str(port)
+
+
+@pytest.mark.parametrize("port", [0, -1, 65536])
+def test_a_port_out_of_range_is_refused(study: Path, port: int) -> None:
+    with pytest.raises(ScenarioError, match=rf"--port is {port}\. Allowed is .* from 1 to 65535"):
+        view.View(study, web=True, port=port).execute()
+
+
+def test_a_port_without_the_web_is_refused(monkeypatch: pytest.MonkeyPatch, study: Path) -> None:
+    monkeypatch.setattr(view, "has_display", lambda: True)
+    with pytest.raises(ScenarioError, match=r"--port is 9091 without --web\. Allowed"):
+        view.View(study, port=9091).execute()
+
+
+def wait_until_free(port: int, expected: bool) -> None:
+    end_s = time.monotonic() + 30
+    while is_free(port) is not expected:
+        assert time.monotonic() < end_s
+        time.sleep(0.05)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs prctl")
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_the_viewer_ends_with_the_command(how: signal.Signals, tmp_path: Path) -> None:
+    recording, port = tmp_path / RECORDING, free_port()
+    with RecordingStream("test") as stream:
+        stream.save(recording)
+        stream.log("text", TextLog("hello"))
+    command = [sys.executable, "-m", "scenarios.commands.view", str(recording), "--web"]
+    with subprocess.Popen([*command, "--port", str(port)], stderr=subprocess.DEVNULL) as process:
+        wait_until_free(port, expected=False)
+        process.send_signal(how)
+        process.wait()
+    wait_until_free(port, expected=True)

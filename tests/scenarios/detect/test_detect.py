@@ -19,6 +19,7 @@ from flybench.events import EVENT_DTYPE, Events
 from formats import Chunk, open_writer, write_events
 from scenarios.commands.detect import Detect
 from scenarios.commands.view import MAGIC
+from scenarios.options.recording import RecordingOptions
 from scenarios.output.terminal import execute
 from tests.detector.stimuli import asphalt, slide, textured_box, turned
 from tests.scenarios.rrd_contents import RrdContents
@@ -51,8 +52,10 @@ def test_it_prints_estimates_and_verdict(
 ) -> None:
     assert execute(Detect(recording)) == 0
     out = capsys.readouterr().out
-    assert "← left" in out.splitlines()[-2]
-    for words in ("346 × 260 px", "npz", "kev/s", "ON, OFF", "strength"):
+    assert "← left: " in out
+    unwrapped = " ".join(out.replace("│", " ").split())
+    assert re.search(r"(\d+) of \d+ steps name a direction, \1 of these left", unwrapped)
+    for words in ("346 × 260 px", "npz", "kev/s", "ON, OFF", "strength", "spans", "left 0."):
         assert words in out
 
 
@@ -62,8 +65,10 @@ def test_with_json_standard_output_is_one_document(
     rrd, png = tmp_path / "a.rrd", tmp_path / "a.png"
     assert execute(Detect(recording, json=True, rrd=rrd, plot=png)) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["direction"] == "left"
+    assert document["direction"] == document["verdict"] == "left"
     assert len(document["steps"]) > 8
+    assert document["counts"]["left"] == sum(s["direction"] == "left" for s in document["steps"])
+    assert {span["direction"] for span in document["spans"]} == {"left"}
     assert set(document["steps"][0]) == {"t_us", "hs", "vs", "direction", "strength"}
     strongest = max(document["steps"], key=lambda step: step["strength"])
     assert strongest["direction"] == "left"
@@ -137,8 +142,8 @@ def test_a_truncated_file_gives_an_error_and_no_output(
         ({"file": Path("nowhere.raw")}, "nowhere.raw does not exist"),
         ({"method": "bee"}, "The method is 'bee'. Allowed is fly"),
         ({"method": "frame-fly"}, "needs APS frames, and .* contains none. Choose another"),
-        ({"size": "346"}, "--size is '346'. .* such as --size 346x260"),
-        ({"size": "20x20"}, r"Allowed is 0 to 19. .* --size"),
+        ({"input": RecordingOptions(size="346")}, "--size is '346'. .* such as --size 346x260"),
+        ({"input": RecordingOptions(size="20x20")}, r"so that 0 to 19 is allowed. .* --size"),
         ({"time_scale": 0.0}, "--time-scale is 0.0. Allowed is a number from 0.001 to 1000"),
         ({"time_scale": 3000.0}, "--time-scale is 3000.0"),
         (
@@ -160,6 +165,25 @@ def test_invalid_arguments_give_a_one_line_error(
     assert err.startswith("flybench: ")
     assert re.search(words, err)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_table_covers_what_comes_before_a_late_event(
+    events: Events, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    late = events.copy()
+    late["t"][events.size // 2] -= 5000
+    np.save(tmp_path / "a.npy", late)
+    assert execute(Detect(tmp_path / "a.npy")) == 2
+    captured = capsys.readouterr()
+    assert f"{events.size // 2:,} in" in captured.out
+    assert "← left" in captured.out
+    assert "--sort 5, or drop them" in captured.err
+    options = RecordingOptions(sort=6.0, size="346x260")
+    assert execute(Detect(tmp_path / "a.npy", json=True, input=options)) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["file"]["events"] == events.size
+    assert document["file"]["sorted_events"] == 1
+    assert document["file"]["dropped_events"] is None
 
 
 def test_a_file_without_events_is_an_error(

@@ -15,14 +15,19 @@ from flybench.direction import Direction
 from flybench.events import EVENT_DTYPE, Events, empty_events
 from formats import Chunk
 from scenarios.detect.run_detector import RecordingSlice, run_detector
+from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.recording import FileRecorder, stream_recorder
 from tests.detector.moving_dots import texture
 from tests.scenarios.rrd_contents import RrdContents
 
 
+def feed_of(detector: Any) -> DetectorFeed:
+    return DetectorFeed("any", detector, width=346, height=260)
+
+
 def slices(chunks: Sequence[Chunk] | Iterator[Chunk], detector: Any) -> list[RecordingSlice]:
     file: Any = chunks
-    return list(run_detector(file, detector))
+    return list(run_detector(file, feed_of(detector)))
 
 
 def estimates(found: list[RecordingSlice]) -> list[MotionEstimate]:
@@ -46,7 +51,7 @@ def test_the_size_of_chunks_does_not_matter(events: Events, size: int) -> None:
 
 def test_maps_belong_to_the_last_estimate(events: Events) -> None:
     fly = FlyDetector()
-    for part in run_detector([Chunk(events)], fly):  # type: ignore[arg-type]
+    for part in run_detector([Chunk(events)], feed_of(fly)):
         assert len(part.estimates) <= 1
         assert part.maps is fly.maps
 
@@ -118,7 +123,7 @@ def test_a_long_recording_is_written_in_constant_memory(
     path = tmp_path / "a.rrd"
     with FileRecorder(path, method="stateless", name="long", parameters={}, **options) as recorder:
         recorder._events._chunk_events = 500
-        for part in run_detector(chunks(), StatelessDetector()):  # type: ignore[arg-type]
+        for part in run_detector(chunks(), feed_of(StatelessDetector())):
             recorder.log_events(part.events)
             for estimate in part.estimates:
                 recorder.log_estimate("stateless", estimate)

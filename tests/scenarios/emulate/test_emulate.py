@@ -1,6 +1,8 @@
 """`flybench emulate`: events, warnings and errors."""
 
+import os
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from formats import open_events, read_events
 from scenarios.commands.emulate import Emulate
 from scenarios.output.terminal import execute
 from tests.scenarios.emulate.moving_pictures import bar, wall, wall_sequence
+from tests.scenarios.emulate.written_videos import fast_then_slow, write_video
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +65,22 @@ def test_a_video_states_its_rate_and_aedat4_contains_frames(
         assert file.statistics.events > 1000
         assert len(frames) > 3
     assert frames[0].image.shape == (260, 346)
+
+
+def test_a_playlist_reads_no_other_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other, playlist = tmp_path / "other.avi", tmp_path / "list.avi"
+    writer = cv2.VideoWriter(str(other), cv2.VideoWriter.fourcc(*"MJPG"), 100.0, (64, 48))
+    for level in range(5):
+        writer.write(np.full((48, 64, 3), level, np.uint8))
+    writer.release()
+    playlist.write_text("ffconcat version 1.0\nfile other.avi\n")
+    assert execute(Emulate(playlist, tmp_path / "a.h5")) == 2
+    assert "list.avi is not a video that OpenCV can open" in capsys.readouterr().err
+
+
+def test_a_fifo_among_images_does_not_block(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "frame_1.png")
+    assert execute(Emulate(tmp_path, tmp_path / "a.h5", fps=10)) == 2
 
 
 def test_images_are_read_in_the_order_of_their_numbers(tmp_path: Path, array: Path) -> None:
@@ -180,6 +199,8 @@ def _write_invalid_files(folder: Path) -> None:
         cv2.imwrite(str(folder / "sizes" / name), np.zeros((side, side), np.uint8))
     Image.new("1", (6000, 6000)).save(folder / "bomb" / "large.png")
     (folder / "damaged" / "a.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing")
+    for name in ("bomb", "damaged"):
+        shutil.copy(folder / "still.png", folder / name / "next.png")
 
 
 def test_an_array_of_luminance_is_accepted(tmp_path: Path) -> None:
@@ -199,3 +220,37 @@ def test_a_file_of_the_user_is_replaced_only_with_overwrite(
     assert mine.read_text() == "mine"
     assert execute(replace(command, overwrite=True)) == 0
     assert read_events(mine).size > 0
+
+
+def test_motion_in_bright_luminance_is_noticed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A wall of up to 5000 cd/m² moves by 4 px per frame, far above a display's 200 cd/m²."""
+    luminance = np.stack([5000 * wall(4.0 * k, rows=260, columns=346) for k in range(4)])
+    np.save(tmp_path / "bright.npy", luminance)
+    emulate(tmp_path / "bright.npy", tmp_path / "a.npz")
+    captured = capsys.readouterr()
+    assert re.search(r"move by up to [34]\.\d px .* in 3 of 3 steps", captured.err)
+    assert re.search(r"up to 4\d\d\d cd/m², from the array", captured.out)
+    emulate(tmp_path / "bright.npy", tmp_path / "b.npz", interpolate=True)
+    captured = capsys.readouterr()
+    interpolated = re.search(r"interpolated *│ *(\d+),", captured.out)
+    assert interpolated is not None
+    assert 3 * 6 <= int(interpolated[1]) <= 3 * 9
+    assert "warning" not in captured.err
+
+
+def test_a_flash_in_a_video_of_varying_rate_comes_at_its_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Frame 53 of 60, at 2.033 s, is the first bright one; index/fps would give 0.883 s."""
+    levels = [40] * 53 + [200] * 7
+    write_video(tmp_path / "flash.mkv", fast_then_slow(), per_s=60, levels=levels)
+    events = tmp_path / "a.npz"
+    assert execute(Emulate(tmp_path / "flash.mkv", events, sensor="ideal")) == 0
+    t_us = read_events(events)["t"]
+    assert t_us.min() >= 1_967_000
+    assert t_us.max() <= 2_034_000
+    captured = capsys.readouterr()
+    assert "60 at 14.9 to 62.5 Hz, varies, 2.433 s" in captured.out
+    assert "warning" not in captured.err

@@ -32,8 +32,38 @@ def test_flow_along_a_stripe_does_not_count(stimulus: Any) -> None:
     assert interpolation_count(max(found), 0.5) < 5
 
 
-def test_flicker_is_not_motion() -> None:
-    meter, dark = MotionMeter(100.0), np.full((130, 173), 20.0, np.float32)
+@pytest.mark.parametrize("brightest", [0.01, 1.0, 200.0, 5e3, 1e5])
+@pytest.mark.parametrize("shift", [0.0, 3.0])
+def test_motion_is_measured_at_any_luminance(brightest: float, shift: float) -> None:
+    meter = MotionMeter(None)
+    before, after = brightest * wall(0), brightest * wall(shift)
+    found = meter.motion_px(before, after, meter.flow_px(before, after))
+    assert found == pytest.approx(shift, abs=0.1 + 0.1 * shift)
+
+
+@pytest.mark.parametrize(("dark", "lamp"), [(0.0, 1e3), (0.01, 1e5), (10.0, 1e9)])
+def test_a_lamp_and_deep_shadow_do_not_hide_motion(dark: float, lamp: float) -> None:
+    """Most of the picture is dark or black, a lamp is far brighter, and a wall moves by 3 px."""
+    meter = MotionMeter(None)
+    before, after = (np.full((130, 346), dark, np.float32) for _ in range(2))
+    for image, shift in ((before, 0.0), (after, 3.0)):
+        image[:, :173] = 100 * wall(shift)
+        image[:9, 300:309] = lamp
+    found = meter.motion_px(before, after, meter.flow_px(before, after))
+    assert found == pytest.approx(3.0, abs=0.6)
+
+
+def test_noise_of_a_flat_scene_is_not_motion() -> None:
+    """Noise of 0.3 % on a wall of low contrast that does not move."""
+    meter, rng = MotionMeter(None), np.random.default_rng(0)
+    noise = rng.normal(size=(2, 130, 173)).astype(np.float32)
+    before, after = 5e3 * (1 + 0.1 * wall(0)) * (1 + 0.003 * noise)
+    assert meter.motion_px(before, after, meter.flow_px(before, after)) < 0.2
+
+
+@pytest.mark.parametrize("white", [100.0, None])
+def test_flicker_is_not_motion(white: float | None) -> None:
+    meter, dark = MotionMeter(white), np.full((130, 173), 20.0, np.float32)
     assert meter.motion_px(dark, 2 * dark, meter.flow_px(dark, 2 * dark)) == 0.0
 
 

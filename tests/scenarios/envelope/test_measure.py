@@ -67,8 +67,8 @@ def without_times(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def test_the_number_of_processes_changes_nothing() -> None:
     reported: list[tuple[int, int]] = []
-    one = measure_all(POINTS, ["fly"], jobs=1)
-    two = measure_all(POINTS, ["fly"], jobs=2, progress=lambda *done: reported.append(done))
+    one = measure_all(POINTS, ["fly"], jobs=1)[0]
+    two, _ = measure_all(POINTS, ["fly"], jobs=2, progress=lambda *done: reported.append(done))
     assert without_times(two) == without_times(one)
     assert [row["speed_px_s"] for row in two] == [2000, 1200, 1600]
     assert reported == [(0, 3), (1, 3), (2, 3), (3, 3)]
@@ -77,3 +77,12 @@ def test_the_number_of_processes_changes_nothing() -> None:
 def test_an_invalid_number_of_processes_is_refused() -> None:
     with pytest.raises(ScenarioError, match=r"jobs is 0\. Allowed is 1 or more, or -1"):
         measure_all(POINTS, ["fly"], jobs=0)
+
+
+def test_a_method_that_fails_is_left_out_with_its_reason() -> None:
+    failing = "tests.scenarios.sweep.quick_sweep:FailingDetector"
+    rows, failed = measure_all(POINTS[:1], ["fly", failing], jobs=1)
+    assert [row["method"] for row in rows] == ["fly"]
+    assert "RuntimeError: no nectar (quick_sweep.py, line" in failed[failing]
+    with pytest.raises(MethodError, match="no nectar"):
+        measure_all(POINTS[:1], [failing], jobs=1)

@@ -96,6 +96,29 @@ class LargeStrength(Scripted):
         return MotionEstimate(t_us, 0.5, 0.0, Direction.RIGHT, 7.0, (1.0, 0.0), (0.0, 0.0), None)
     answers = [(20,)]
 
+class AnyEstimate(Good):
+    def advance(self, t_us):
+        good = {
+            "t_us": t_us, "hs": 0.0, "vs": 0.0, "direction": Direction.NONE, "strength": 0.0,
+            "response": (0.0, 0.0), "view_centre_px": (0.0, 0.0), "roi_px": None,
+        }
+        return [MotionEstimate(**(good | self.changes))]
+
+class Raising(Good):
+    def advance(self, t_us):
+        if t_us > 100:
+            raise ZeroDivisionError("no wind")
+        return super().advance(t_us)
+
+class Numpy(Good):
+    def push(self, events):
+        import numpy
+        numpy.reshape(numpy.zeros(3), (2, 2))
+
+class Quitting(Good):
+    def push(self, events):
+        raise SystemExit(0)
+
 class FrameLogger(Good):
     def __init__(self, *, width, height):
         self.received = []
@@ -112,8 +135,9 @@ def function(*, width, height): ...
 
 @pytest.fixture
 def user_modules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make the modules `some_detectors`, `broken` and `misspelt` importable."""
+    """Make the modules `some_detectors`, `broken`, `quitting` and `misspelt` importable."""
     (tmp_path / "some_detectors.py").write_text(SOME_DETECTORS)
     (tmp_path / "broken.py").write_text("import some_library_that_is_not_there\n")
+    (tmp_path / "quitting.py").write_text("raise SystemExit(0)\n")
     (tmp_path / "misspelt.py").write_text("def f(:\n")
     monkeypatch.syspath_prepend(tmp_path)

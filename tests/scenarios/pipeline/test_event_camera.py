@@ -12,7 +12,6 @@ from flybench.events import Events
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.event_camera import MAX_TRAVEL_PX, EventCamera, MotionWarning
 from sim import SceneConfigError, open_model
-from sim.photometric_camera import EXAMPLE_LIGHT
 from sim.scene.assets import ASSETS
 
 SENSOR = SensorConfig.noise_free(width=87, height=65)
@@ -100,21 +99,6 @@ def test_time_that_does_not_advance_is_refused(model: mujoco.MjModel) -> None:
             camera.step(data)
 
 
-def test_a_shape_whose_motion_is_unknown_needs_a_period() -> None:
-    hills = mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
-      <hfield name="h" nrow="2" ncol="2" size="5 5 1 .1"/></asset><worldbody>{EXAMPLE_LIGHT}
-      <camera name="eye" pos="0 0 3"/><geom type="hfield" hfield="h"/>
-      <body pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
-    data = mujoco.MjData(hills)
-    with EventCamera(hills, "eye", sensor=SENSOR, supersample=1) as camera:
-        camera.step(data)
-        mujoco.mj_step(hills, data)
-        with pytest.raises(ScenarioError, match=r"is unknown: .* Or set period_us"):
-            camera.step(data)
-    *_, camera = record(hills, data, 3, period_us=3000)
-    assert camera.samples == 2
-
-
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
@@ -128,3 +112,81 @@ def test_invalid_arguments_are_refused(
 ) -> None:
     with pytest.raises(error, match=words):
         EventCamera(model, **({"camera": "eye"} | options))
+
+
+TOYS = {
+    # As in gymnasium: an infinite checkered floor, a camera that tracks, collision shapes shown.
+    "gymnasium": """<asset>
+      <texture type="skybox" builtin="gradient" rgb1="1 1 1" rgb2="0 0 0" width="64" height="384"/>
+      <texture name="checks" type="2d" builtin="checker" rgb1="0 0 0" rgb2=".8 .8 .8"
+        width="100" height="100"/>
+      <material name="floor" texture="checks" texrepeat="60 60" reflectance=".5" specular="1"/>
+    </asset>
+    <worldbody><light cutoff="100" diffuse="1 1 1" dir="0 0 -1.3" directional="true" pos="0 0 1.3"/>
+      <geom type="plane" size="40 40 40" material="floor"/>
+      <body name="mover" pos="0 0 .6"><camera name="eye" mode="track" pos="0 -3 .3"
+        xyaxes="1 0 0 0 0 1"/><joint axis="0 1 0"/><geom fromto="0 0 0 .5 0 .3" size=".08"
+        type="capsule" rgba=".8 .6 .4 1"/></body></worldbody>""",
+    # As in dm_control: a reflecting grid, sites, a spatial tendon, a cut-off spot light.
+    "dm_control": """<asset><texture name="grid" type="2d" builtin="checker" rgb1=".1 .2 .3"
+      rgb2=".2 .3 .4" width="300" height="300" mark="edge" markrgb=".2 .3 .4"/>
+      <material name="grid" texture="grid" texrepeat="1 1" texuniform="true" reflectance=".2"/>
+      <material name="self" rgba=".3 .2 .1 1"/></asset>
+    <worldbody><light diffuse=".9 .9 .9" dir="0 0 -1" pos="0 0 3"/>
+      <geom type="plane" size="5 5 .2" material="grid"/>
+      <camera name="eye" pos="0 -3 1" xyaxes="1 0 0 0 0 1"/><site name="hook" pos="0 0 1.5"/>
+      <body name="mover" pos="0 0 .9"><joint axis="0 1 0"/><geom type="box" size=".5 .1 .08"
+        material="self"/><site name="eyelet" pos=".25 0 .05" size=".03" rgba="1 0 0 1"/></body>
+    </worldbody><tendon><spatial width=".02"><site site="hook"/><site site="eyelet"/></spatial>
+    </tendon>""",
+    # As in robosuite: collision shapes of group 0 that are transparent, visual ones of group 1.
+    "robosuite": """<asset><material name="wood" rgba=".6 .4 .2 1" specular=".4"/></asset>
+    <worldbody><light pos="1 1 1.5" dir="-.2 -.2 -1" specular=".3 .3 .3" directional="true"
+      castshadow="false"/><geom type="plane" size="3 3 .1" material="wood" group="1"/>
+      <camera name="eye" pos="0 -2 .8" xyaxes="1 0 0 0 0 1"/>
+      <body name="mover" pos="0 0 .8"><joint axis="0 1 0"/>
+        <geom type="box" size=".4 .3 .3" rgba="0 .5 0 0" group="0"/>
+        <geom type="box" size=".3 .05 .1" rgba=".9 .9 .9 1" group="1" contype="0"/>
+        <site name="centre" size=".3" rgba="1 0 0 .5" group="3"/></body></worldbody>""",
+}
+
+
+@pytest.mark.parametrize("library", TOYS)
+@pytest.mark.parametrize("light", ["daylight", "indoor"])
+def test_models_of_other_libraries_need_a_light_only(library: str, light: str) -> None:
+    """No light of these has an intensity. Events lie where the body moves, and near it."""
+    model = mujoco.MjModel.from_xml_string(f"<mujoco>{TOYS[library]}</mujoco>")
+    data = mujoco.MjData(model)
+    data.qvel[:] = 15.0
+    with EventCamera(model, "eye", sensor=SENSOR, supersample=1, light=light) as camera:
+        near = np.zeros((65, 87), bool)
+        events = []
+        for _ in range(8):
+            mujoco.mj_step(model, data)
+            events.append(camera.step(data).events)
+            near |= camera._camera.visible(data).body == model.body("mover").id
+    all_events = np.concatenate(events)
+    rows, columns = np.nonzero(near)
+    inside = (np.abs(all_events["x"] - columns.mean()) < np.ptp(columns) / 2 + 4) & (
+        np.abs(all_events["y"] - rows.mean()) < np.ptp(rows) / 2 + 4
+    )
+    assert 0.01 < near.mean() < 0.3
+    assert all_events.size > 40
+    assert inside.mean() > 0.6  # others belong to the shadow on the floor
+
+
+def test_a_camera_with_a_sensor_of_another_shape_is_accepted(model: mujoco.MjModel) -> None:
+    lens = 'sensorsize=".016 .009" focal=".01 .012" principal=".001 0"'
+    toy = TOYS["dm_control"].replace('name="eye"', f'name="eye" {lens}')
+    wide = mujoco.MjModel.from_xml_string(f"<mujoco>{toy}</mujoco>")
+    data = mujoco.MjData(wide)
+    data.qvel[:] = 15.0
+    with EventCamera(wide, "eye", sensor=SENSOR, supersample=1, light="overcast") as camera:
+        focal_px = camera.intrinsics.focal_px, camera.intrinsics.focal_px * camera.intrinsics.aspect
+        events = []
+        for _ in range(5):
+            mujoco.mj_step(wide, data)
+            events.append(camera.step(data).events)
+    assert focal_px == pytest.approx((87 * 10 / 16, 65 * 12 / 9))
+    assert camera.intrinsics.axis_px == pytest.approx((-87 / 16, 0))
+    assert sum(map(len, events)) > 20

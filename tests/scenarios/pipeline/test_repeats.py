@@ -1,10 +1,9 @@
 """One sequence shown to many sensors."""
 
 from emulator import EventSensor, SensorConfig
-from scenarios.pipeline.feeding import feed
 from scenarios.pipeline.repeats import run_repeats
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import make_detector
+from scenarios.pipeline.running import make_feed
 from tests.scenarios.pipeline.drawn_samples import PERIOD_US, SAMPLES, bar_samples
 
 
@@ -14,10 +13,10 @@ def test_every_seed_gives_the_same_estimates_as_alone() -> None:
     assert track.in_view_us == (0, (SAMPLES - 1) * PERIOD_US)
     assert track.box_px(15_000) == (20, 100, 80, 160)
     for seed, estimates in zip((3, 8), together, strict=True):
-        sensor, detector, alone = EventSensor(config.sensor, seed=seed), make_detector(config), []
+        sensor, feed, alone = EventSensor(config.sensor, seed=seed), make_feed(config), []
         for sample in bar_samples():
             events = sensor.step(sample.t_us, sample.luminance).events
-            alone += feed(detector, events, until_us=sample.t_us + 1)
+            alone += feed.feed(events, until_us=sample.t_us + 1)
         assert estimates == alone
     assert together[0] != together[1]
 

@@ -29,6 +29,7 @@ def test_a_users_class_gets_the_sensors_size() -> None:
         ("nowhere.deeper:Good", ("no module nowhere",)),
         ("some_detectors.deeper:Good", ("no module some_detectors.deeper",)),
         ("broken:Good", ("broken", "cannot be imported", "some_library_that_is_not_there", "line")),
+        ("quitting:Good", ("quitting", "cannot be imported", "SystemExit: 0 (quitting.py, line 1")),
         ("misspelt:Good", ("misspelt", "cannot be imported", "SyntaxError")),
         ("some_detectors:Bad", ("no class Bad", "Available in this module: Good")),
         ("some_detectors:NoAdvance", ("has no method advance", "Available in this module: Good")),

@@ -8,7 +8,8 @@ from functools import partial
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
-from scenarios.pipeline.parallel import run_locally, run_on_cluster
+from scenarios.pipeline.cluster import run_on_cluster
+from scenarios.pipeline.parallel import run_locally
 from scenarios.sweep.folder import JOURNAL
 from scenarios.sweep.measure import Failure, Results, Task
 from scenarios.sweep.plan import read_plan

@@ -8,7 +8,7 @@ from emulator import SensorConfig
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.run_config import RunConfig, flatten
-from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_detector, run_steps
+from scenarios.pipeline.running import Stopwatch, add_truth, make_crossing, make_feed, run_steps
 from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import EventTally, truth_summary
 from scenarios.sweep.measure import (
@@ -44,9 +44,9 @@ def task(*configs: RunConfig, cache: CacheOptions) -> Task:
 
 def run_alone(config: RunConfig, cache: CacheOptions) -> Results:
     """Run one point as `flybench run` does."""
-    crossing, detector = make_crossing(config, cache.open()), make_detector(config)
+    crossing, feed = make_crossing(config, cache.open()), make_feed(config)
     tally, track, estimates = EventTally(), TargetTrack(), []
-    for step in run_steps(config, crossing, detector, Stopwatch()):
+    for step in run_steps(config, crossing, feed, Stopwatch()):
         tally.add(step.output)
         add_truth(track, step.sample.truth)
         estimates += step.estimates
@@ -69,7 +69,8 @@ def test_one_failing_point_does_not_affect_the_others(cache: CacheOptions) -> No
     good, bad = measure_task(task(FLY, failing, cache=cache))
     assert good == measure_task(task(FLY, cache=cache))[0]
     assert isinstance(bad, Failure)
-    assert bad.reason.startswith("RuntimeError: no nectar (quick_sweep.py, line ")
+    assert bad.reason.startswith("tests.scenarios.sweep.quick_sweep:FailingDetector: ")
+    assert "RuntimeError: no nectar (quick_sweep.py, line " in bad.reason
 
 
 def test_a_worker_with_other_code_is_refused(cache: CacheOptions) -> None:

@@ -64,7 +64,7 @@ def test_the_flys_grms_rises_with_speed() -> None:
         for k in range(SEEDS)
         for speed in SPEEDS_PX_S
     ]
-    values = [row["grms"] for row in measure_all(cars, ["fly"], jobs=-1)]
+    values = [row["grms"] for row in measure_all(cars, ["fly"], jobs=-1)[0]]
     by_seed = [values[n : n + 4] for n in range(0, len(values), 4)]
     assert sum(spearman(SPEEDS_PX_S, grms) == 1.0 for grms in by_seed) >= 9
 

@@ -471,3 +471,11 @@ def test_a_sequence_that_cannot_be_stored_is_not_rendered_ahead(
     assert rendered_ahead(Crossing(CrossingConfig(), cache=limited), monkeypatch) == []
     assert len(warned) == 1
     assert rendered_ahead(Crossing(CrossingConfig()), monkeypatch) == []
+
+
+def test_a_fifo_does_not_block(tmp_path: Path) -> None:
+    for path in (entry(tmp_path), entry(tmp_path, OTHER_KEY), tmp_path / f"{KEY}.x.part"):
+        os.mkfifo(path)
+    fill(tmp_path)
+    assert entry(tmp_path).is_file()
+    assert cache(tmp_path).get_or_make(OTHER_KEY, lambda: b"made") == b"made"

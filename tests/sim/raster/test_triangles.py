@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from sim import CrossingConfig
-from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.keyframes.background import rasterise_image
@@ -103,12 +102,3 @@ def test_shapes_are_closed_and_face_outwards(kind: str) -> None:
 
 def test_a_triangle_without_area_has_no_normal() -> None:
     np.testing.assert_array_equal(unit_normals(np.zeros((1, 3, 3))), [[0, 0, 0]])
-
-
-def test_a_geom_that_cannot_be_converted_is_refused() -> None:
-    model = mujoco.MjModel.from_xml_string("""<mujoco>
-      <asset><hfield name="hills" nrow="2" ncol="2" size="1 1 1 1" elevation="0 1 1 0"/></asset>
-      <worldbody><geom type="hfield" hfield="hills"/></worldbody>
-    </mujoco>""")
-    with pytest.raises(SceneConfigError, match=r"geom 0 has the type mjGEOM_HFIELD.*mjGEOM_MESH"):
-        triangle_soup(model)

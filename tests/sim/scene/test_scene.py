@@ -156,7 +156,7 @@ def test_paint_reflects_the_share_of_light_that_its_reflectance_says() -> None:
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=[1.0, 0.8, 0.005],
             material="vehicle/paint",
-            group=2,
+            castshadow=False,
         )
         scene = replace(build_scene(config), model=spec.compile())
         middle, _ = project(np.array([[0.0, 0.0, 0.01]]), scene.pose, COARSE)

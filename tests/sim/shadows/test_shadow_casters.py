@@ -24,7 +24,7 @@ WORLD = """
     <geom name="behind the lamp" size=".5" pos="0 12 1"/>
     <geom name="beside" size=".5" pos="5 5 1"/>
     <geom name="before a lamp without shadows" size=".5" pos="0 -5 1"/>
-    <geom name="without a shadow" size=".5" pos="-10 0 10" group="2"/>
+    <geom name="without a shadow" size=".5" pos="-10 0 10" castshadow="false"/>
     <geom name="wall" type="plane" size="0 0 1" pos="0 -20 0" euler="90 0 0"/>
   </worldbody>
 </mujoco>

@@ -130,7 +130,7 @@ STREET = """<mujoco><worldbody>
   {movers}
 </worldbody></mujoco>"""
 MOVER = """<body pos="{x} 0 .5"><freejoint/><geom type="box" size=".1 .1 .1"/>
-  <geom type="box" size=".1 .1 .1" pos="0 .4 0" group="2"/>
+  <geom type="box" size=".1 .1 .1" pos="0 .4 0" castshadow="false"/>
   <light type="spot" dir="1 0 -.6" cutoff="20" intensity="1" castshadow="true"/></body>"""
 
 

@@ -6,7 +6,6 @@ import pytest
 
 from flybench.direction import Direction
 from sim import CrossingConfig
-from sim.errors import SceneConfigError
 from sim.scene.scene import build_scene
 from sim.truth.body_meshes import WORLD, BodyMesh, MovingBodies, body_meshes, srgb
 
@@ -90,16 +89,6 @@ def test_srgb_encoding_maps_black_and_white_and_increases_between() -> None:
 
 def test_an_invisible_geom_has_no_triangles() -> None:
     assert only_mesh('<geom type="box" size="1 1 1" rgba="1 1 1 0"/>').vertices_m.shape == (0, 3)
-
-
-def test_a_geom_without_triangles_is_refused() -> None:
-    field = '<hfield name="hills" nrow="2" ncol="2" size="1 1 1 1"/>'
-    model = mujoco.MjModel.from_xml_string(
-        f"<mujoco><asset>{field}</asset>"
-        '<worldbody><geom type="hfield" hfield="hills"/></worldbody></mujoco>'
-    )
-    with pytest.raises(SceneConfigError, match=r"mjGEOM_HFIELD.*Allowed are.*mjGEOM_BOX"):
-        body_meshes(model)
 
 
 def test_the_street_is_static_and_the_vehicle_has_five_moving_bodies() -> None:

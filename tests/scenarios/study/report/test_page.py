@@ -80,6 +80,7 @@ def text(tmp_path_factory: pytest.TempPathFactory) -> str:
             "crossing": CrossingConfig(),
         },
         figures=draw_figures(folder, sequences),
+        failed={"bees:Bee": "bees:Bee: no <wind>"},
     )
     return (folder / "report.html").read_text(encoding="utf-8")
 
@@ -115,7 +116,7 @@ def test_the_page_has_claims_then_figures_then_numbers(text: str) -> None:
 
 
 def test_data_is_escaped(text: str) -> None:
-    for raw in ("<two>", "<own>", "<script>", "'a & b'"):
+    for raw in ("<two>", "<own>", "<wind>", "<script>", "'a & b'"):
         assert raw not in text
         assert html(raw) in text
 

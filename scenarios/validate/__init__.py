@@ -1,0 +1,1 @@
+"""Score detectors on windows of real recordings: `flybench validate`."""

@@ -1,0 +1,49 @@
+"""The start of the command, before its libraries are loaded."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+STARTED = """
+import sys
+from flybench.__main__ import main
+print("started", flush=True)
+sys.argv = ["flybench", "doctor", "--help"]
+main()
+"""
+
+
+@pytest.mark.parametrize("after_s", [0.0, 0.3, 1.0])
+def test_ctrl_c_while_the_libraries_load_gives_one_line(after_s: float) -> None:
+    command = [sys.executable, "-c", STARTED]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, cwd=ROOT) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == b"started\n"
+        time.sleep(0.02 + after_s)
+        process.send_signal(signal.SIGINT)
+        error = process.stderr.read()
+        assert (process.wait(), error) in [(130, b"flybench: interrupted\n"), (0, b"")]
+
+
+def test_ctrl_c_removes_the_folder_of_matplotlib(tmp_path: Path) -> None:
+    script = (
+        "import os, signal\nimport flybench.__main__ as m\nfrom pathlib import Path\n"
+        "m._give_matplotlib_a_folder()\nprint(os.environ['MPLCONFIGDIR'], flush=True)\n"
+        "signal.signal(signal.SIGINT, m._end)\nos.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "MPLCONFIGDIR"}
+    environment |= {"HOME": str(tmp_path / "missing"), "TMPDIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=environment, cwd=ROOT
+    )
+    assert done.returncode == 130
+    assert done.stdout.startswith(str(tmp_path / "flybench-"))
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,1 @@
+"""Proof that the same scenario gives the same luminance in every process."""

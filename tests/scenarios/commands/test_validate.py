@@ -1,0 +1,153 @@
+"""`flybench validate`: what it prints and writes, on made recordings and on real ones."""
+
+import csv
+import os
+import re
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from formats import FORMATS
+from scenarios.commands.validate import Validate
+from scenarios.output.terminal import execute
+from scenarios.validate.manifest import PACKAGED, read_manifest
+from scenarios.validate.turns import TURNS
+from tests.scenarios.validate.made_recordings import (
+    entry,
+    rightward,
+    still,
+    write_manifest,
+    write_recording,
+)
+
+REAL = os.environ.get("FLYBENCH_RECORDINGS")
+"""Folder with the files of the packaged manifest; the tests of real recordings need it."""
+
+
+@pytest.fixture(scope="module")
+def manifest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recordings")
+    moving = write_recording(folder / "box.npz", rightward())
+    calm = write_recording(folder / "calm.npz", still())
+    return write_manifest(
+        folder / "made.toml",
+        (
+            entry("box", "box.npz", moving, conditions="a <b>box</b>"),
+            [{"direction": "right", "from_s": 0.0, "to_s": 0.3}],
+        ),
+        (entry("calm", "calm.npz", calm), [{"direction": "none", "crop": [0, 0, 200, 160]}]),
+    )
+
+
+def rows_of(out: Path) -> list[dict[str, str]]:
+    with (out / "results.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_it_prints_and_writes_every_method_in_every_variant(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert execute(Validate(manifest, method=("fly", "frame-fly"), out=out)) == 0
+    printed = capsys.readouterr().out
+    for words in ("box, 0.00 to 0.30 s: → right", "calm, 0.00 to 0.30 s: nothing moves"):
+        assert words in printed
+    assert "frame-fly: The method needs APS frames" in printed
+    rows = rows_of(out)
+    assert len(rows) == 2 * len(TURNS) * 2
+    truths = [row["truth"] for row in rows if row["method"] == "fly"]
+    assert truths == ["right", "left", "down", "left", "up", *["none"] * 5]
+    for row in rows:
+        if row["method"] == "frame-fly":
+            assert (row["steps"], row["note"][:27]) == ("0", "The method needs APS frames")
+        elif row["truth"] == "none":
+            assert (row["right"], row["wrong"], row["false_alarms"]) == (row["steps"], "", "0")
+            assert int(row["steps"]) == 29  # the last event is just before 0.3 s
+        else:
+            assert int(row["right"]) > 15
+            assert (row["wrong"], row["false_alarms"], row["verdict"]) == ("0", "", row["truth"])
+    assert {path.name for path in out.iterdir()} == {"results.csv", "report.html", "summary.json"}
+
+
+def test_the_page_shows_images_and_scores_and_is_well_formed(
+    manifest: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    assert execute(Validate(manifest, method=("fly",), recording=("box",), out=out)) == 0
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 4
+    assert "a &lt;b&gt;box&lt;/b&gt;" in page
+    assert "5 of 5" in page
+    assert "calm" not in page
+    assert "<script" not in page
+    assert re.findall(r'(?:src|href)="(?!data:|#)', page) == []  # nothing to load
+    body = page[page.index("<body>") : page.index("</body>") + len("</body>")]
+    ElementTree.fromstring(re.sub(r"(<img[^>]*|<br)>", r"\1/>", body))
+
+
+def test_an_error_leaves_the_earlier_result(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert execute(Validate(manifest, method=("fly",), recording=("box",), out=out)) == 0
+    before = (out / "report.html").read_bytes()
+    broken = tmp_path / "broken.toml"
+    broken.write_text(manifest.read_text().replace("direction = 'none'", "direction = 'odd'"))
+    assert execute(Validate(broken, out=out)) == 2
+    captured = capsys.readouterr()
+    assert f"flybench: {broken}: recording 2 (calm), window 1: direction is 'odd'" in captured.err
+    assert (out / "report.html").read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_a_window_that_does_not_fit_names_the_manifest(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    late = manifest.with_name("late.toml")
+    late.write_text(manifest.read_text().replace("to_s = 0.3", "to_s = 3.0"))
+    assert execute(Validate(late, method=("fly",), out=tmp_path / "out")) == 2
+    assert f"flybench: {late}: box: to_s is 3 and the last event is at" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"method": ("bee",)}, "The method is 'bee'. Allowed is fly"),
+        ({"manifest": Path("none.toml")}, "none.toml cannot be read"),
+        ({"recording": ("tank",)}, "--recording is 'tank'. Allowed with"),
+        ({"folder": Path("nowhere")}, "does not exist. Get it from"),
+    ],
+)
+def test_invalid_arguments_give_a_one_line_error(
+    changes: Any, words: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert execute(Validate(**({"out": tmp_path / "out"} | changes))) == 2
+    err = capsys.readouterr().err
+    assert words in err
+    assert len([line for line in err.splitlines() if line.startswith("flybench: ")]) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+READABLE = [
+    recording.name
+    for recording in read_manifest(PACKAGED).recordings
+    if "matlab" in FORMATS or not recording.file.endswith(".mat")
+]
+
+
+@pytest.mark.skipif(REAL is None, reason="FLYBENCH_RECORDINGS names no folder")
+@pytest.mark.parametrize("name", READABLE)
+def test_real_recordings_can_be_read_and_scored(name: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    chosen: Any = {"method": ("fly", "contrast-maximisation"), "recording": (name,)}
+    assert execute(Validate(folder=Path(str(REAL)), out=out, **chosen)) == 0
+    (recording,) = read_manifest(PACKAGED).select([name]).recordings
+    rows = rows_of(out)
+    assert len(rows) == len(recording.windows) * len(TURNS) * 2
+    for row in rows:
+        window = recording.windows[int(row["window"]) - 1]
+        if window.to_us is not None:  # a step every 10 ms, to the end of the window
+            assert int(row["steps"]) == (window.to_us - window.from_us) // 10_000
