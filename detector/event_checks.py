@@ -6,17 +6,24 @@ import operator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from detector.errors import EventOrderError
 from flybench.errors import EventError
 from flybench.events import EVENT_DTYPE, Events, check_events
 from flybench.kernels import compiled
+from flybench.memory import check_memory
 
 _RAW_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "u1")])
 """`EVENT_DTYPE` with the polarity byte as a number."""
 
 _LATEST_US = 2**62
 """Latest allowed time [µs], 146 000 years: the end of any later hop still fits into 64 bits."""
+
+_ESTIMATE_BYTES = 600
+"""Memory of an estimate in a list (measured: 520) [bytes]."""
+_FEW = 100_000
+"""Estimates that are not counted exactly, because they are few [60 MB]."""
 
 
 def check_chunk(events: Events, *, width: int, height: int, now_us: int) -> None:
@@ -85,6 +92,44 @@ def checked_time(t_us: int) -> int:
             "the start of the stream."
         )
     return time_us
+
+
+def check_pause(hop_us: int, quiet_limit_us: int) -> None:
+    """Refuse a hop so short that the estimates of one pause do not fit into memory.
+
+    Args:
+        hop_us: step between estimates [µs].
+        quiet_limit_us: time after the last event at which estimates stop [µs].
+
+    Raises:
+        MemoryBudgetError: they do not fit into the memory budget.
+    """
+    number = quiet_limit_us // hop_us
+    what = f"A pause of quiet_limit_us = {quiet_limit_us} µs with an estimate every {hop_us} µs"
+    check_memory(what, number * _ESTIMATE_BYTES)
+
+
+def check_estimates(
+    times_us: npt.NDArray[np.int64], *, now_us: int, hop_us: int, quiet_limit_us: int
+) -> None:
+    """Refuse a chunk of events whose estimates do not fit into memory.
+
+    Args:
+        times_us: times of the events, sorted; at least one [µs].
+        now_us: time that the stream has reached [µs].
+        hop_us: step between estimates [µs].
+        quiet_limit_us: time after an event at which estimates stop [µs].
+
+    Raises:
+        MemoryBudgetError: they do not fit into the memory budget.
+    """
+    number = (int(times_us[-1]) - now_us) // hop_us
+    if number <= _FEW:
+        return
+    pauses_us = np.diff(times_us, prepend=now_us)
+    number = int(np.minimum(pauses_us, quiet_limit_us).sum()) // hop_us
+    what = f"A chunk of {times_us.size} events with {number} estimates"
+    check_memory(what, number * _ESTIMATE_BYTES)
 
 
 @compiled

@@ -6,16 +6,27 @@ A hop is the step from one estimate to the next.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import deque
 
 import numpy as np
 
 from detector.errors import DetectorConfigError
 from detector.estimate import MotionEstimate
-from detector.event_checks import check_chunk, check_order, checked_time
+from detector.event_checks import (
+    check_chunk,
+    check_estimates,
+    check_order,
+    check_pause,
+    checked_time,
+)
 from flybench.events import Events, concatenate_events, empty_events
+from flybench.memory import count_memory
 
 QUIET_LIMIT_US = 60_000_000
 """Time after the last event at which hops stop [µs]; the default of `FlyConfig.quiet_limit_us`."""
+
+_EVENT_BYTES = 100
+"""Memory per event of a window: its copies, and the fits of planes to all (estimated) [bytes]."""
 
 
 class HopBuffer:
@@ -27,15 +38,21 @@ class HopBuffer:
     nothing.
     """
 
-    def __init__(self, hop_us: int, *, width: int, height: int) -> None:
+    def __init__(self, hop_us: int, *, width: int, height: int, window_hops: int = 1) -> None:
         """Start at time 0.
 
         Args:
             hop_us: length of a hop [µs].
             width: sensor columns [px].
             height: sensor rows [px].
+            window_hops: number of hops whose events the detector remembers.
+
+        Raises:
+            MemoryBudgetError: the hop is so short that the estimates of a pause do not fit.
         """
+        check_pause(hop_us, QUIET_LIMIT_US)
         self._hop_us, self._width, self._height = hop_us, width, height
+        self._numbers = deque([0] * window_hops, maxlen=window_hops)
         self._hop = 0
         self._now_us = self._last_event_us = 0
         self._has_events = False
@@ -50,8 +67,17 @@ class HopBuffer:
         Raises:
             EventError: the chunk is not a sorted stream of `EVENT_DTYPE` from this sensor.
             EventOrderError: the first event is before an event or a time that was passed before.
+            MemoryBudgetError: the events of a window, or the estimates of this call, are too many
+                for the memory budget.
         """
         check_chunk(events, width=self._width, height=self._height, now_us=self._now_us)
+        if events.size:
+            check_estimates(
+                events["t"],
+                now_us=self._now_us,
+                hop_us=self._hop_us,
+                quiet_limit_us=QUIET_LIMIT_US,
+            )
         complete: list[tuple[int, Events]] = []
         taken = 0
         while taken < events.size:
@@ -61,6 +87,7 @@ class HopBuffer:
             self._has_events = True
             self._skip_to(first_us)
             cut = int(np.searchsorted(events["t"], (self._hop + 1) * self._hop_us))
+            self._count(cut - taken)
             self._pending.append(concatenate_events([events[taken:cut]]))
             self._last_event_us = self._now_us = int(events["t"][cut - 1])
             taken = cut
@@ -93,10 +120,16 @@ class HopBuffer:
         last_us = min(t_us, self._last_event_us + QUIET_LIMIT_US)
         while (end_us := (self._hop + 1) * self._hop_us) <= last_us:
             parts = self._pending or [empty_events()]
+            self._numbers.append(sum(part.size for part in parts))
             complete.append((end_us, parts[0] if len(parts) == 1 else concatenate_events(parts)))
             self._pending = []
             self._hop += 1
         return complete
+
+    def _count(self, new: int) -> None:
+        """Count the memory of the window with `new` more events, before they are copied."""
+        number = sum(self._numbers) + sum(part.size for part in self._pending) + new
+        count_memory(self, f"A window of {number} events", number * _EVENT_BYTES)
 
     def _skip_to(self, t_us: int) -> None:
         self._hop = max(self._hop, t_us // self._hop_us)
@@ -105,16 +138,21 @@ class HopBuffer:
 class WindowedDetector(ABC):
     """Base class of detectors that look at windows of whole hops."""
 
-    def __init__(self, hop_us: int, *, width: int, height: int) -> None:
+    def __init__(self, hop_us: int, window_us: int, *, width: int, height: int) -> None:
         """Start at time 0.
 
         Args:
             hop_us: step between estimates [µs].
+            window_us: span of the events that the detector remembers, a multiple of the hop [µs].
             width: sensor columns [px].
             height: sensor rows [px].
+
+        Raises:
+            MemoryBudgetError: the hop is so short that the estimates of a pause do not fit.
         """
         self._width, self._height = width, height
-        self._hops = HopBuffer(hop_us, width=width, height=height)
+        hops = window_us // hop_us
+        self._hops = HopBuffer(hop_us, width=width, height=height, window_hops=hops)
 
     def push(self, events: Events) -> list[MotionEstimate]:
         """Process the next events of the stream; see `Detector.push`.

@@ -44,10 +44,14 @@ from emulator.readout.scan import Scan
 from emulator.readout.stats import ReadoutStats
 from emulator.thread_pool import ThreadPool
 from flybench.events import Events, empty_events
+from flybench.memory import OPTION, VARIABLE, MemoryBudgetError, count_memory, free_bytes
 
 _DEFAULT = SensorConfig()
 _RANDOM_STREAM = 0
 _INITIAL_KEYS = 4096
+_BYTES_PER_PX, _BYTES_PER_EVENT = 150, 100
+"""Memory per pixel (measured: 118 to 131), and per event of a step: its key, its place in the
+readout's queue and its copies (estimated) [bytes]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +87,13 @@ class EventSensor:
     Raises:
         SensorConfigError: `config` is not a `SensorConfig`, the seed is negative or not an integer,
             or the number of threads is out of range.
+        MemoryBudgetError: the sensor is too large for the memory budget.
     """
 
     def __init__(self, config: SensorConfig = _DEFAULT, *, seed: int, threads: int = 1):
         self.config = check_config(config)
         seed, threads = check_seed(seed), check_threads(threads)
+        count_memory(self, f"A sensor of {config.width}×{config.height} px", sensor_bytes(config))
         rng = np.random.default_rng((seed, _RANDOM_STREAM))
         self._pixels = draw_pixels(config, rng)
         self._model = make_model(config, rng.integers(2**64, dtype=np.uint64))
@@ -135,6 +141,8 @@ class EventSensor:
                 negative; a time that is no integer or not later than the last; a step longer than
                 17.9 minutes or than 1000 APS frames (25 s at the default 40 frames/s); or an
                 invalid rectangle.
+            MemoryBudgetError: the frames or the events of this step are too many for the memory
+                budget. If it was the events, the sensor cannot be used any more.
         """
         config = self.config
         time_us = check_time(t_us, self._last_us)
@@ -200,6 +208,7 @@ class EventSensor:
         self, state: PixelState, luminance: npt.NDArray[np.float32], times: StepTimes
     ) -> Keys:
         """Take all pixels through one step, and return the keys of their events, unsorted."""
+        most = free_bytes() // _BYTES_PER_EVENT // len(self._keys)
 
         def run(part: int) -> Keys:
             self._keys[part], used = step_pixels(
@@ -211,11 +220,24 @@ class EventSensor:
                 self._shares[part],
                 self._batches[part],
                 self._keys[part],
+                most,
             )
             return self._keys[part][:used]
 
-        found = self._pool.run(run)
+        try:
+            found = self._pool.run(run)
+        except MemoryError:
+            raise MemoryBudgetError(
+                f"The step from {times.from_us} to {times.to_us} µs gives more than {most} events, "
+                "which do not fit into the memory budget. Take shorter steps, or allow more with "
+                f"{OPTION} (in Python: the environment variable {VARIABLE})."
+            ) from None
         return found[0] if len(found) == 1 else np.concatenate(found)
+
+
+def sensor_bytes(config: SensorConfig) -> int:
+    """Return the memory of a sensor without its events [bytes]."""
+    return _BYTES_PER_PX * config.width * config.height
 
 
 class Davis346(EventSensor):

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from flybench.printable import printable
+
 
 class FlybenchError(ValueError):
-    """Base of all errors that flybench raises on bad input; its message states what to do."""
+    """Base of all errors that flybench raises on bad input; its message states what to do.
+
+    Control characters in the message are escaped: it may quote a file, and terminals obey them.
+    """
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(printable(a) if isinstance(a, str) else a for a in args))
 
 
 class EventError(FlybenchError):

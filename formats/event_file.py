@@ -13,6 +13,8 @@ import numpy as np
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events, concatenate_events, empty_events
+from flybench.memory import check_memory
+from flybench.printable import printable
 from formats.column_order import check_order
 from formats.columns import MAX_SIDE_PX, ReadOptions
 from formats.errors import FormatError
@@ -24,6 +26,11 @@ from formats.time_unit import unit_us
 
 _FRAMES_PENDING = 32
 """Most frames that are held back until events reach the end of their exposure (assumed)."""
+
+_LIST_BYTES = 2 * EVENT_DTYPE.itemsize
+"""Memory per event while a list of chunks becomes one array [bytes]."""
+_FRAMES_KEPT = 2 * _FRAMES_PENDING
+"""Frames that exist at once: those held back, and those in use after them (estimated)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +157,8 @@ class EventFile:
         self.width, self.height = header["size"]
         self.size_source: str = header["size_source"]
         self.has_frames: bool = header["has_frames"]
-        self.header_fields: dict[str, str] = header["facts"]
+        facts: dict[str, str] = header["facts"]
+        self.header_fields = {printable(name): printable(fact) for name, fact in facts.items()}
         self.origin_us: int = header["origin_us"]
         self.warnings: tuple[str, ...] = tuple(header["warnings"])
         self.sorted_events: int | None = None
@@ -277,13 +285,21 @@ def read_events(path: Path | str, **options: Any) -> Events:
     Raises:
         FormatError: the file cannot be read; the message states why.
         MissingLibraryError: a library is missing; the message states how to install it.
+        MemoryBudgetError: the events do not fit into the memory budget.
     """
     with open_events(path, **options) as file:
-        chunks = [chunk.events for chunk in file]
+        chunks: list[Events] = []
+        number = 0
+        for chunk in file:
+            number += chunk.events.size
+            what = f"The list of the first {number} events of {path}"
+            check_memory(what, number * _LIST_BYTES)
+            chunks.append(chunk.events)
     return concatenate_events(chunks)
 
 
 def _frame(content: bytearray) -> ApsFrame:
     start_us, end_us, width, height = FRAME.unpack_from(content)
+    check_memory(f"A recording with APS frames of {width}×{height} px", _FRAMES_KEPT * len(content))
     image = np.frombuffer(content, "<u2", offset=FRAME.size).reshape(height, width)
     return ApsFrame(start_us=start_us, end_us=end_us, image=image)

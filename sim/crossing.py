@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.direction import Direction
+from flybench.memory import count_memory
 from sim.cache.key import luminance_key
 from sim.cache.luminance_cache import LuminanceCache, LuminanceStream
 from sim.cache.luminance_file import LuminanceSample
@@ -28,7 +29,7 @@ from sim.geometry.rectangles import (
 from sim.keyframes.reprojection import RenderedSample, Reprojection
 from sim.keyframes.steady_lens import steady_lens
 from sim.motion.sample_times import sample_times_us
-from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
 from sim.scene.lamp_flicker import FlickeringLamps
@@ -84,11 +85,14 @@ class Crossing:
         Raises:
             SceneConfigError: the lead time reaches beyond the end of the motion profile, or the
                 lens is not symmetric.
+            MemoryBudgetError: the image is too large for the memory budget.
         """
         return_large_blocks()
         self.config, self.cache = config, cache
-        self.intrinsics = intrinsics or Intrinsics()
-        self.intrinsics.require_symmetry()
+        self.intrinsics = lens = intrinsics or Intrinsics()
+        lens.require_symmetry()
+        needed = rendering_bytes(lens, config.supersample)
+        count_memory(self, f"Rendering of {lens.width}×{lens.height} px", needed)
         self.scene: Scene = build_scene(config)
         self.trajectory = self.scene.trajectory
         reach_m = self.scene.reach_m(self.scene.target, self._half_view_rad())
@@ -171,10 +175,9 @@ class Crossing:
         """
         if self.cache is None:
             return
-        drawn_before = self.cache.rendered
         with closing(self._cached_luminance(self.times_us())) as frames:
             for frame in frames:
-                if self.cache.rendered == drawn_before or not self.cache.stores:
+                if not self.cache.stores:
                     return
                 yield frame.t_us
 
@@ -186,13 +189,16 @@ class Crossing:
             luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
-            lambda: self._rendered_luminance(times_us),
+            lambda start: self._rendered_luminance(times_us, start),
         )
 
-    def _rendered_luminance(self, times_us: Sequence[int]) -> LuminanceStream:
+    def _rendered_luminance(self, times_us: Sequence[int], start: int = 0) -> LuminanceStream:
+        """Render the samples from number `start` on; they do not depend on the start."""
         with self.keyframe_renderer(times_us) as render:
             previous = [image_rectangle(self.intrinsics)]
-            for t_us in times_us:
+            if start:
+                previous = render(times_us[start - 1]).rectangles
+            for t_us in times_us[start:]:
                 rendered = render(t_us)
                 changed = enclosing_rectangle(previous + rendered.rectangles)
                 yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)

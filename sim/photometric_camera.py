@@ -17,11 +17,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from flybench.memory import count_memory
 from sim.errors import RendererError, SceneConfigError
 from sim.geometry.rectangles import image_rectangle
 from sim.raster import flow
 from sim.raster.visibility import VisibilityMap
-from sim.render.filament import FilamentRenderer, Luminance
+from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.illumination import Illumination, named_illumination
 from sim.render.luminance_model import luminance_model
 from sim.render.model_camera import camera_id, camera_intrinsics
@@ -73,6 +74,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
             SceneConfigError: the model has no such camera, no light, or nothing that can move; the
                 camera is orthographic or has no image size; or there is no such `light`.
             RendererError: this machine has no Vulkan device.
+            MemoryBudgetError: the image is too large for the memory budget.
         """
         number = camera_id(model, camera)
         illumination = None if light is None else named_illumination(light)
@@ -81,6 +83,9 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         if not still:
             _check_motion(model)
         self.intrinsics = camera_intrinsics(model, camera, width=width, height=height)
+        lens = self.intrinsics
+        needed = rendering_bytes(lens, supersample)
+        count_memory(self, f"Rendering of {lens.width}×{lens.height} px", needed)
         self._supersample, self._state = supersample, ModelState(model, number)
         grey = luminance_model(model, illumination)
         self._truth = ModelTruth(grey, self._state, self.intrinsics)

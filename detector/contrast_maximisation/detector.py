@@ -24,6 +24,7 @@ from detector.estimate import MotionEstimate
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events, concatenate_events, empty_events
+from flybench.memory import count_memory
 
 __all__ = [
     "ContrastConfig",
@@ -195,6 +196,14 @@ def _standard_score(value: float, others: npt.NDArray[np.float64]) -> float:
     return (value - float(np.mean(others))) / spread if spread > 0.0 else 0.0
 
 
+def _needed_bytes(config: ContrastConfig, width: int, height: int) -> int:
+    """Return the memory of a search without the events before they are thinned [bytes]."""
+    reach_px = math.ceil(config.limit_px_s * config.window_us * 1e-6)
+    image = (width + reach_px) * (height + reach_px)
+    candidates = (reach_px // 2 + 3) ** 2
+    return 6 * image + 50 * candidates + (16 * _SHUFFLES + 50) * config.most_events
+
+
 class ContrastMaximisation(WindowedDetector):
     """Contrast maximisation as a `Detector`, on a window of events at every hop.
 
@@ -215,9 +224,15 @@ class ContrastMaximisation(WindowedDetector):
             config: parameters; None: the defaults.
             width: sensor columns [px].
             height: sensor rows [px].
+
+        Raises:
+            MemoryBudgetError: the sensor, or the distance that the highest speed covers in a
+                window, is too large for the memory budget.
         """
         self.config = c = config or ContrastConfig()
-        super().__init__(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, c.window_us, width=width, height=height)
+        name = f"Contrast maximisation on {width}×{height} px"
+        count_memory(self, name, _needed_bytes(c, width, height))
         self.memory_us = c.window_us
         hops = c.window_us // c.hop_us
         self._window = deque([empty_events()] * hops, maxlen=hops)

@@ -12,7 +12,13 @@ import numpy.typing as npt
 from detector.decision import winner_take_all
 from detector.errors import DetectorConfigError, StateError
 from detector.estimate import MotionEstimate
-from detector.event_checks import check_chunk, check_order, checked_time
+from detector.event_checks import (
+    check_chunk,
+    check_estimates,
+    check_order,
+    check_pause,
+    checked_time,
+)
 from detector.fly.attention import ViewCentre, saliency_map
 from detector.fly.config import FlyConfig
 from detector.fly.correlation import t4, t5
@@ -38,10 +44,15 @@ from detector.fly.tangential import (
 )
 from detector.fly.time_surface import TimeSurfaces
 from flybench.events import Events
+from flybench.memory import count_memory
 
 __all__ = ["FlyConfig", "FlyDetector", "FlyMaps"]
 
 F32 = npt.NDArray[np.float32]
+
+_MAPS_BYTES = 160
+"""Memory for the maps of one estimate, with intermediate results, per cell (measured: 121 to 136)
+[bytes]."""
 
 
 class FlyDetector:
@@ -78,6 +89,7 @@ class FlyDetector:
         Raises:
             DetectorConfigError: `config` is not a `FlyConfig`, a side is not a whole number, or the
                 sensor is smaller than the shortest correlation distance.
+            MemoryBudgetError: the sensor or the number of hops is too large for the memory budget.
         """
         self.config = c = _checked_config(FlyConfig() if config is None else config)
         width, height = _checked_side("width", width), _checked_side("height", height)
@@ -87,6 +99,8 @@ class FlyDetector:
                 f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
                 f"cells of {c.cell_px} px and spacing_cells = {c.spacing_cells}. Lower these."
             )
+        check_pause(c.hop_us, c.quiet_limit_us)
+        count_memory(self, f"A fly of {width}×{height} px", _needed_bytes(c, width, height))
         self.memory_us = c.memory_us
         self._width, self._height = width, height
         self._surfaces = TimeSurfaces(c, width=width, height=height)
@@ -104,11 +118,16 @@ class FlyDetector:
         Raises:
             EventError: the chunk is not a sorted stream of `EVENT_DTYPE` from this sensor.
             EventOrderError: the first event is before an event or a time that was passed before.
+            MemoryBudgetError: the events of a window, or the estimates of this call, are too many
+                for the memory budget. The events before them have been processed.
         """
-        now_us = 0 if self._now_us is None else self._now_us
+        c, now_us = self.config, 0 if self._now_us is None else self._now_us
         check_chunk(events, width=self._width, height=self._height, now_us=now_us)
         if events.size == 0:
             return []
+        check_estimates(
+            events["t"], now_us=now_us, hop_us=c.hop_us, quiet_limit_us=c.quiet_limit_us
+        )
         self._skip_to_late_start(int(events["t"][0]))
         estimates: list[MotionEstimate] = []
         taken = 0
@@ -157,7 +176,9 @@ class FlyDetector:
                 contradicts itself.
         """
         check_header(state, state_header(self.config, width=self._width, height=self._height))
-        check_arrays(state, self.state(), any_length={"surfaces.times", "surfaces.pixels"})
+        check_arrays(
+            state, self.state(), any_length={"surfaces.times", "surfaces.pixels", "surfaces.merged"}
+        )
         hop, now_us = int(state["fly.hop"]), int(state["fly.now_us"])
         if hop != max(now_us, 0) // self.config.hop_us:
             raise StateError(
@@ -265,6 +286,13 @@ class FlyDetector:
             reach=c.roi_reach_cells,
             share=c.roi_share,
         )
+
+
+def _needed_bytes(config: FlyConfig, width: int, height: int) -> int:
+    """Return the memory of a fly without its events [bytes]."""
+    cells = -(-width // config.cell_px) * -(-height // config.cell_px)
+    hops = 32 * config.window_hops + 8 * (max(config.delays_hops) + 1)
+    return 16 * width * height + cells * (hops + _MAPS_BYTES)
 
 
 def _checked_config(config: Any) -> FlyConfig:

@@ -20,6 +20,9 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled, inlined
 
+Longs = npt.NDArray[np.int64]
+Ints = npt.NDArray[np.int32]
+
 NOW, ORIGIN, OLDEST, PENDING, NEWEST = range(5)
 """Entries of the clock.
 
@@ -27,6 +30,14 @@ The first two are the time reached and the origin of the weights [µs]. The othe
 from the start: the oldest in the window, the first that is not in the totals yet because it is of
 the present microsecond (events of one microsecond must not affect one another), and the next.
 """
+
+COUNT_BITS = 32
+"""Bit of an entry of `merged` from which on it holds a number of events.
+
+The lower bits are their pixel. Equal events are merged only where memory would have to grow; see
+`merge_equal`. An entry −1 − k of `pixels` stands for entry k of `merged`.
+"""
+PIXEL_MASK = (1 << COUNT_BITS) - 1
 
 _ORIGIN_AGE_TAUS = 300
 """Age in τ at which the origin of the weights is renewed: e^300 is far from overflow."""
@@ -53,6 +64,33 @@ def weight_table(tau_us: int) -> npt.NDArray[np.float64]:
     return np.concatenate([low, high])
 
 
+def merge_equal(times: Longs, pixels: Ints, merged: Longs) -> tuple[Longs, Ints, Longs]:
+    """Merge the entries of equal time and pixel into one, which counts them.
+
+    Events of one microsecond do not affect one another, so their order does not matter.
+
+    Args:
+        times: times of the entries, sorted [µs].
+        pixels: pixels of the entries, or −1 − k for entry k of `merged`.
+        merged: pixels and numbers of events of merged entries; see `COUNT_BITS`.
+
+    Returns:
+        The same without repetition, sorted by time and pixel.
+    """
+    entries = pixels + np.int64(1 << COUNT_BITS)
+    entries[pixels < 0] = merged[-1 - pixels[pixels < 0]]
+    order = np.lexsort((entries & PIXEL_MASK, times))
+    times, entries = times[order], entries[order]
+    places = entries & PIXEL_MASK
+    starts = np.flatnonzero(np.diff(times, prepend=-1) | np.diff(places, prepend=-1))
+    counts = np.add.reduceat(entries >> COUNT_BITS, starts)
+    times, pixels = times[starts], places[starts].astype(np.int32)
+    several = np.flatnonzero(counts > 1)
+    merged = pixels[several] | counts[several] << COUNT_BITS
+    pixels[several] = -1 - np.arange(several.size)
+    return times, pixels, merged
+
+
 @compiled
 def add_to_histogram(
     events: Any, start: int, until_us: int, parameters: Any, memory: Any, slot: int
@@ -67,7 +105,7 @@ def add_to_histogram(
     index.
     """
     window_us, renewal_us, radius, counts_itself, width, table, cells = parameters
-    totals, times, pixels, clock, tallies = memory
+    totals, times, pixels, merged, clock, tallies = memory
     height, grid_size = cells.size - width, tallies.shape[2] * tallies.shape[3]
     tally, wrap = tallies[slot].reshape(-1), times.size - 1
     now, origin, oldest, pending, newest = clock
@@ -80,9 +118,11 @@ def add_to_histogram(
             break
         if event.t != now:
             now = event.t
-            _add_pending(totals, pixels, pending, newest, weight)
+            _add_pending(totals, pixels, merged, pending, newest, weight)
             pending, start_us = newest, now - window_us
-            oldest = _drop_expired(totals, times, pixels, oldest, newest, start_us, origin, table)
+            oldest = _drop_expired(
+                totals, times, pixels, merged, oldest, newest, start_us, origin, table
+            )
             if now - origin >= renewal_us:
                 origin = _renew_origin(start_us, origin, oldest < newest, table, totals)
             weight = _weight(now - origin, table)
@@ -126,11 +166,32 @@ def _time_surface(
 
 
 @inlined
-def _add_pending(totals: Any, pixels: Any, pending: int, newest: int, weight: float) -> None:
+def _add_pending(
+    totals: Any, pixels: Any, merged: Any, pending: int, newest: int, weight: float
+) -> None:
     """Add the events of the past microsecond to the totals of their pixels."""
     wrap = pixels.size - 1
     for k in range(pending, newest):
-        totals[pixels[k & wrap]] += weight
+        pixel = pixels[k & wrap]
+        if pixel >= 0:
+            totals[pixel] += weight
+        else:
+            _add_merged(totals, merged[-1 - pixel], weight)
+
+
+@compiled
+def _add_merged(totals: Any, entry: int, weight: float) -> None:
+    """Add the events of an entry of `merged`; one by one, so that merging changes no bit."""
+    for _ in range(entry >> COUNT_BITS):
+        totals[entry & PIXEL_MASK] += weight
+
+
+@compiled
+def _drop_merged(totals: Any, entry: int, weight: float) -> None:
+    """Subtract the events of an entry of `merged`, one by one."""
+    for _ in range(entry >> COUNT_BITS):
+        rest = totals[entry & PIXEL_MASK] - weight
+        totals[entry & PIXEL_MASK] = rest if rest > 0.5 * weight else 0.0
 
 
 @inlined
@@ -138,6 +199,7 @@ def _drop_expired(
     totals: Any,
     times: Any,
     pixels: Any,
+    merged: Any,
     oldest: int,
     newest: int,
     start_us: int,
@@ -148,9 +210,13 @@ def _drop_expired(
     wrap = times.size - 1
     while oldest < newest and times[oldest & wrap] < start_us:
         weight = _weight(times[oldest & wrap] - origin, table)
-        rest = totals[pixels[oldest & wrap]] - weight
-        # Another event would weigh at least as much: less than half of it is rounding error.
-        totals[pixels[oldest & wrap]] = rest if rest > 0.5 * weight else 0.0
+        pixel = pixels[oldest & wrap]
+        if pixel >= 0:
+            rest = totals[pixel] - weight
+            # Another event would weigh at least as much: less than half of it is rounding error.
+            totals[pixel] = rest if rest > 0.5 * weight else 0.0
+        else:
+            _drop_merged(totals, merged[-1 - pixel], weight)
         oldest += 1
     return oldest
 

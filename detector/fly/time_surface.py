@@ -15,20 +15,28 @@ from detector.fly.event_histogram import (
     OLDEST,
     ORIGIN,
     PENDING,
+    PIXEL_MASK,
     add_to_histogram,
+    merge_equal,
     origin_age_us,
     weight_table,
 )
 from detector.fly.histogram import averaged_histogram
 from detector.fly.model_variants import SurfaceEvents
 from flybench.events import Events
+from flybench.memory import check_memory, count_memory
 
 F32 = npt.NDArray[np.float32]
 
 _FIRST_CAPACITY = 1 << 12
-"""Events that the ring buffer holds at first; it doubles when a window has more."""
+"""Entries that the ring buffer holds at first; it doubles when a window has more."""
+_CROWD = 64
+"""Mean number of events of one time stamp above which merging is tried (assumed: above that of real
+sensors, because sorting the buffer takes longer than filling it)."""
+_ENTRY_BYTES, _GROWTH_BYTES = 20, 80
+"""Memory per entry of the ring buffer, and per entry of the old one while it grows [bytes]."""
 
-_ARRAYS = ("totals", "times", "pixels", "clock", "tallies", "surfaces", "has_surface")
+_ARRAYS = ("totals", "times", "pixels", "merged", "clock", "tallies", "surfaces", "has_surface")
 """Arrays of `TimeSurfaces` that belong to its state."""
 
 
@@ -87,7 +95,7 @@ class TimeSurfaces:
     @property
     def memory_bytes(self) -> int:
         """Size of the ring buffer of the last Δt's events; it does not grow with the stream."""
-        return self._times.nbytes + self._pixels.nbytes
+        return self._times.nbytes + self._pixels.nbytes + self._merged.nbytes
 
     def state(self) -> dict[str, npt.NDArray[Any]]:
         """Return copies of everything that changes, as arrays by name."""
@@ -108,7 +116,14 @@ class TimeSurfaces:
         kept = clock[NEWEST] - clock[OLDEST]
         is_ring = times.size == pixels.size > 0 and times.size & (times.size - 1) == 0
         is_ordered = 0 <= clock[OLDEST] <= clock[PENDING] <= clock[NEWEST]
-        is_inside = pixels.min() >= 0 and pixels.max() < self._totals.size if is_ring else False
+        merged = state["merged"]
+        is_inside = (
+            is_ring
+            and pixels.min() >= -merged.size
+            and pixels.max() < self._totals.size
+            and (merged >= 0).all()
+            and ((merged & PIXEL_MASK) < self._totals.size).all()
+        )
         if not (is_inside and is_ordered and kept <= times.size):
             raise StateError(
                 f"The state keeps {kept} events in a buffer of {times.size}, and its bounds "
@@ -146,6 +161,8 @@ class TimeSurfaces:
         self._clock[ORIGIN] = -self._config.window_us
         self._times = np.zeros(_FIRST_CAPACITY, np.int64)
         self._pixels = np.zeros(_FIRST_CAPACITY, np.int32)
+        self._merged = np.zeros(0, np.int64)
+        count_memory(self, "A new fly", _FIRST_CAPACITY * _ENTRY_BYTES)
         self._hop_events = [0] * self._config.window_hops
         self._slot = 0
 
@@ -169,13 +186,14 @@ class TimeSurfaces:
         """
         taken = self._add(events, start, until_us)
         while taken < 0:
-            self._double_buffer()
+            self._make_room()
             taken = self._add(events, -1 - taken, until_us)
         self._hop_events[self._slot] += taken - start
         return taken
 
     def _add(self, events: Events, start: int, until_us: int) -> int:
-        memory = self._totals, self._times, self._pixels, self._clock, self._tallies
+        ring = self._times, self._pixels, self._merged
+        memory = self._totals, *ring, self._clock, self._tallies
         return add_to_histogram(events, start, until_us, self._parameters, memory, self._slot)
 
     def average(self, *, hop: int) -> F32:
@@ -217,12 +235,24 @@ class TimeSurfaces:
         surface: F32 = self._surfaces[taps].mean(axis=0)
         return surface
 
-    def _double_buffer(self) -> None:
-        """Double the ring buffer of the last Δt's events."""
-        size = self._times.size
-        numbers = np.arange(self._clock[OLDEST], self._clock[NEWEST])
-        for name in ("_times", "_pixels"):
-            old = getattr(self, name)
-            larger = np.zeros(2 * size, old.dtype)
-            larger[numbers % larger.size] = old[numbers % size]
-            setattr(self, name, larger)
+    def _make_room(self) -> None:
+        """Merge equal entries of the full ring buffer; double it if that does not free half of it.
+
+        Raises:
+            MemoryBudgetError: the events of the window do not fit into the memory budget.
+        """
+        size, oldest = self._times.size, int(self._clock[OLDEST])
+        what = f"A window with {size} events of different time or pixel"
+        check_memory(what, size * _GROWTH_BYTES, owner=self)
+        order = np.arange(oldest, self._clock[NEWEST]) % size
+        times, pixels, merged = self._times[order], self._pixels[order], self._merged
+        if np.count_nonzero(np.diff(times)) < size // _CROWD:
+            times, pixels, merged = merge_equal(times, pixels, merged)
+            self._clock[NEWEST] = oldest + times.size
+            self._clock[PENDING] = oldest + np.searchsorted(times, self._clock[NOW])
+        if times.size > size // 2:
+            size *= 2
+            count_memory(self, what, size * _ENTRY_BYTES)
+        self._times, self._pixels = np.zeros(size, np.int64), np.zeros(size, np.int32)
+        order = np.arange(oldest, oldest + times.size) % size
+        self._times[order], self._pixels[order], self._merged = times, pixels, merged

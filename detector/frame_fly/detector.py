@@ -29,10 +29,14 @@ from detector.frame_fly.pathways import (
     spatial_difference,
 )
 from flybench.events import Events
+from flybench.memory import count_memory
 
 __all__ = ["FrameFly", "FrameFlyConfig"]
 
 F32 = npt.NDArray[np.float32]
+
+_BYTES_PER_PX = 100
+"""Memory per pixel with cells of 1 px (measured: 92; larger cells need less) [bytes]."""
 
 
 class FrameFly:
@@ -62,6 +66,7 @@ class FrameFly:
 
         Raises:
             DetectorConfigError: the sensor is smaller than the shortest correlation distance.
+            MemoryBudgetError: the sensor is too large for the memory budget.
         """
         self.config = c = config or FrameFlyConfig()
         least = (min(c.offsets_cells) + 1) * c.cell_px
@@ -70,6 +75,8 @@ class FrameFly:
                 f"The sensor is {width}×{height} px. Allowed is {least} to 32767 px a side with "
                 f"cells of {c.cell_px} px and offsets_cells = {c.offsets_cells}. Lower these."
             )
+        needed = _BYTES_PER_PX * width * height
+        count_memory(self, f"A frame-based fly of {width}×{height} px", needed)
         self.memory_us = max(c.delays_us)
         self._width, self._height = width, height
         grid = height // c.cell_px, width // c.cell_px

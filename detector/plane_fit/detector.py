@@ -27,11 +27,14 @@ from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events
 from flybench.kernels import compiled
+from flybench.memory import count_memory
 
 __all__ = ["PlaneFit", "PlaneFitConfig"]
 
 F64 = npt.NDArray[np.float64]
 
+_BYTES_PER_PX = 33
+"""Memory of the two surfaces per pixel, without the events [bytes]."""
 _ROUNDS = 10
 """Rounds of reweighting (assumed). Further rounds change velocities of synthetic stimuli by less
 than 0.1 %."""
@@ -165,9 +168,13 @@ class PlaneFit(WindowedDetector):
             config: parameters; None: the defaults.
             width: sensor columns [px].
             height: sensor rows [px].
+
+        Raises:
+            MemoryBudgetError: the sensor is too large for the memory budget.
         """
         self.config = c = config or PlaneFitConfig()
-        super().__init__(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, c.window_us, width=width, height=height)
+        count_memory(self, f"A plane fit of {width}×{height} px", _BYTES_PER_PX * width * height)
         self.memory_us = c.window_us + c.span_us
         limits = FitLimits(c.radius_px, c.span_us, c.burst_us, c.least_neighbours, c.tolerance_px)
         self._surface = SurfaceSlopes(limits, width=width, height=height)

@@ -26,6 +26,7 @@ from emulator.aps.exposure import (
 from emulator.errors import FrameError
 from emulator.pixel.active_pixels import Masks
 from emulator.pixel.noise import draw_gaussians
+from flybench.memory import check_memory
 
 _RANDOM_STREAM = 1
 
@@ -34,6 +35,8 @@ _EXPOSURE_RATIO_MAX = 8.0
 
 _STEP_FRAMES_MAX = 1000
 """Number of frames that one step may return (assumed; they take 180 MB at 346×260)."""
+
+_BYTES_PER_PX = np.dtype(np.uint16).itemsize
 
 _METERING_ROUNDS = 12
 """Number of meterings before the first frame (assumed): enough to cross the range of exposures
@@ -114,7 +117,11 @@ class Aps:
 
         Raises:
             FrameError: more than 1000 frames could end in the step.
+            MemoryBudgetError: these frames do not fit into the memory budget.
         """
+        frames = step_us // self._shortest_period_us() + 1
+        needed = frames * self._correction.size * _BYTES_PER_PX
+        check_memory(f"A step of {step_us} µs with up to {frames} APS frames", needed)
         longest_us = _STEP_FRAMES_MAX * self._shortest_period_us()
         if step_us > longest_us:
             raise FrameError(

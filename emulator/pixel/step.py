@@ -25,8 +25,14 @@ _ONE = np.uint64(1)
 
 
 @compiled
-def doubled(keys: Keys) -> Keys:
-    """Return an array of twice the size with the keys at its start."""
+def doubled(keys: Keys, most: int) -> Keys:
+    """Return an array of twice the size with the keys at its start.
+
+    Raises:
+        MemoryError: that would be more than `most` keys.
+    """
+    if 2 * keys.size > most:
+        raise MemoryError("too many events")
     larger = np.empty(2 * keys.size, np.int64)
     larger[: keys.size] = keys
     return larger
@@ -90,6 +96,7 @@ def step_pixels(
     share: ThreadShare,
     batch: Batch,
     keys: Keys,
+    most: int,
 ) -> tuple[Keys, int]:
     """Take the pixels of one thread through one step.
 
@@ -102,10 +109,14 @@ def step_pixels(
         share: blocks of this thread.
         batch: an empty batch.
         keys: output array for the keys of the events.
+        most: largest size of that array.
 
     Returns:
         The array of the keys, replaced by a larger one if necessary; and the number of entries in
         use.
+
+    Raises:
+        MemoryError: there are too many events; the state is half changed.
     """
     used = 0
     span_us = np.float64(times.to_us - times.from_us)
@@ -116,12 +127,12 @@ def step_pixels(
         follow_batch(batch.fields, model, rounded_up(count), span_us)
         solve_crossings(batch, model, count, span_us)
         if keys.size - used < BATCH:
-            keys = doubled(keys)
+            keys = doubled(keys, most)
         used = store_finished(state, luminance, times, batch, count, keys, used)
         done = 0
         while done < count:
             done, used = step_others(state, model, luminance, times, batch, done, count, keys, used)
             if done < count:
-                keys = doubled(keys)
+                keys = doubled(keys, most)
     update_block_wake(state, masks, np.int32(times.to_us), share)
     return keys, used

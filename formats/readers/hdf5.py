@@ -32,6 +32,7 @@ from formats.columns import (
 )
 from formats.errors import FormatError, MissingLibraryError
 from formats.readers.arrays import COLUMN_ALIASES, check_no_order, match_columns
+from formats.readers.hdf5_links import check_storage, children, find
 
 _BLOCK = 1 << 17
 _BLOCK_BYTES_MAX = 1 << 27
@@ -71,6 +72,8 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
     try:
         file = h5py.File(path, rdcc_nbytes=_CACHE_BYTES)
         locations = _locations(file)
+    except FormatError:
+        raise
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise FormatError(
             f"{path} is truncated or damaged ({_first_line(error)}). Copy it again from where it "
@@ -141,13 +144,15 @@ def _locations(file: Any) -> list[EventLocation]:
 
 def _location(name: str, item: Any) -> EventLocation | None:
     if isinstance(item, h5py.Group):
-        names = match_columns(tuple(k for k, v in item.items() if isinstance(v, h5py.Dataset)))
+        data_sets = {k: v for k, v in children(item) if isinstance(v, h5py.Dataset)}
+        names = match_columns(tuple(data_sets))
         if names is None:
             return None
-        columns = {column: item[names[column]] for column in COLUMN_ALIASES}
+        columns = {column: data_sets[names[column]] for column in COLUMN_ALIASES}
         if any(data.ndim != 1 for data in columns.values()):
             return None
         return EventLocation(name, columns, lambda _, rows: rows)
+    check_storage(item)
     one_data_set = dict.fromkeys(COLUMN_ALIASES, item)
     fields = match_columns(item.dtype.names) if item.dtype.names else None
     if fields is not None and item.ndim == 1:
@@ -193,7 +198,7 @@ def _check_filters(path: Path, data: Any) -> None:
 
 
 def _offset_us(file: Any) -> int:
-    offset = file.get("t_offset")
+    offset = find(file, "t_offset")
     with suppress(TypeError, ValueError):
         return int(offset[()]) if isinstance(offset, h5py.Dataset) else 0
     return 0
@@ -201,7 +206,7 @@ def _offset_us(file: Any) -> int:
 
 def _size(file: Any, location: EventLocation) -> Size | None:
     """Return the size of the sensor, if it is stored where one of the data sets has it [px]."""
-    holder = file[location.name]
+    holder = find(file, location.name)
     group = holder if isinstance(holder, h5py.Group) else holder.parent
     for item in (holder, group, file):
         attributes = dict(item.attrs)
@@ -214,7 +219,7 @@ def _size(file: Any, location: EventLocation) -> Size | None:
             sides = _as_text(attributes["geometry"]).lower().split("x")
             return int(sides[0]), int(sides[1])
     with suppress(KeyError, TypeError, ValueError, IndexError):
-        width, height = (int(side) for side in group["calib/resolution"][:2])
+        width, height = (int(side) for side in find(group, "calib/resolution")[:2])
         return width, height
     return None
 

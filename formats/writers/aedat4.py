@@ -1,13 +1,16 @@
 """AEDAT 4: events are encoded by faery, frames by dv-processing.
 
 faery encodes events fast but cannot create frames. dv-processing creates frames but takes events
-one at a time. Frames therefore go to a second file, and faery merges both files at the end.
+one at a time, and it ends the process if the disk is full. It therefore writes each frame to
+memory, from where faery copies it to a second file. At the end faery merges both files.
 """
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any, ClassVar
@@ -33,8 +36,7 @@ class Aedat4Writer(EventWriter):
 
     def _open(self, work: Path) -> None:
         self._encoder: Any = None
-        self._frame_writer: Any = None
-        self._dv: Any = None
+        self._frame_encoder: Any = None
         self._frames_path, self._merged_path = (
             work.with_name(f"{work.stem}.{name}{work.suffix}") for name in ("frames", "both")
         )
@@ -57,27 +59,17 @@ class Aedat4Writer(EventWriter):
             self._encoder.write(0, to_faery(events[start : start + PACKET]))
 
     def _write_frame(self, frame: ApsFrame) -> None:
-        if self._frame_writer is None:
-            try:
-                import dv_processing
-            except ImportError as error:
-                raise MissingLibraryError("dv-processing", "AEDAT 4 with frames") from error
-            self._dv = dv_processing
-            config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
-            config.addFrameStream((self.width, self.height))
-            self._frame_writer = dv_processing.io.MonoCameraWriter(str(self._frames_path), config)
-        source = self._dv.FrameSource.SENSOR
-        exposure_us = frame.end_us - frame.start_us
-        self._frame_writer.writeFrame(
-            self._dv.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
-        )
+        if self._frame_encoder is None:
+            self._frame_encoder = self._begin(self._frames_path, ["frames"])
+        self._frame_encoder.write(0, _frame_packet(frame))
 
     def _finish(self) -> None:
-        self._close(self._encoder)
-        self._encoder = None
-        if self._frame_writer is None:
+        self._encoder, encoder = None, self._encoder
+        self._close(encoder)
+        if self._frame_encoder is None:
             return
-        self._frame_writer = None  # its destructor writes the last frames
+        self._frame_encoder, encoder = None, self._frame_encoder
+        self._close(encoder)
         encoder = self._begin(self._merged_path, ["events", "frames"])
         try:
             for stream, packet in _merged(self._work, self._frames_path):
@@ -87,12 +79,10 @@ class Aedat4Writer(EventWriter):
         self._merged_path.replace(self._work)
 
     def _abandon(self) -> None:
-        self._frame_writer = None
-        if self._encoder is not None:
-            with suppress(Exception):
-                self._close(self._encoder)
-        for path in (self._frames_path, self._merged_path):
-            path.unlink(missing_ok=True)
+        for encoder in (self._encoder, self._frame_encoder):
+            if encoder is not None:
+                with suppress(Exception):
+                    self._close(encoder)
 
     @staticmethod
     def _close(encoder: Any) -> None:
@@ -121,6 +111,41 @@ def _stream(aedat: Any, number: int, name: str, size: tuple[int, int]) -> Any:
         typeIdentifier=_STREAMS[name],
     )
     return aedat.DescriptionNode(name=str(number), path=path, attributes=attributes, nodes=[info])
+
+
+def _frame_packet(frame: ApsFrame) -> Any:
+    """Return a frame as faery's decoder returns it, by way of a file in memory."""
+    try:
+        import dv_processing
+    except ImportError as error:
+        raise MissingLibraryError("dv-processing", "AEDAT 4 with frames") from error
+    from faery import aedat
+
+    height, width = frame.image.shape
+    config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
+    config.addFrameStream((width, height))
+    with _memory_file("frame.aedat4") as path:
+        writer = dv_processing.io.MonoCameraWriter(str(path), config)
+        source, exposure_us = dv_processing.FrameSource.SENSOR, frame.end_us - frame.start_us
+        writer.writeFrame(
+            dv_processing.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
+        )
+        del writer  # its destructor writes the frame
+        with aedat.Decoder(path) as decoder:
+            return next(packet for track, packet in decoder if track.data_type == "frame")
+
+
+@contextmanager
+def _memory_file(name: str) -> Iterator[Path]:
+    """Yield the path of a file in memory; dv-processing wants its name to end in .aedat4."""
+    descriptor = os.memfd_create(name)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder) / name
+            link.symlink_to(f"/proc/self/fd/{descriptor}")
+            yield link
+    finally:
+        os.close(descriptor)
 
 
 def _merged(events: Path, frames: Path) -> Iterator[tuple[int, Any]]:

@@ -11,7 +11,6 @@ from typing import Annotated, Any
 
 import tyro
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
 from emulator.characterisation import Datasheet, characterise
@@ -22,13 +21,15 @@ from scenarios.datasheet.page import render_page
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.output.versions import versions
 
 LOGS = Path("logs")
 PAGE = "datasheet.html"
 NUMBERS = "datasheet.json"
+NEEDED_BYTES = 1_000_000
+"""Size of the output [bytes] (measured)."""
 _SEED = Range(0, 2**32 - 1)
 _WIDTH = 100
 """Width of the printed tables; a narrower terminal leaves the sources out."""
@@ -55,14 +56,14 @@ class Characterise:
         config, name = self.sensor.sensor(), self.sensor.name
         _SEED.check("--seed", self.seed, ScenarioError, default=0)
         folder = self.out or LOGS / f"datasheet_{name}_seed{self.seed}"
-        check_output_folder(folder)
+        check_output_folder(folder, needed_bytes=NEEDED_BYTES)
         start_s = time.perf_counter()
-        with progress_bar() as progress:
-            sheet = characterise(
-                config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
-            )
-        wall_s = time.perf_counter() - start_s
         with atomic_folder(folder) as work:
+            with progress_bar() as progress:
+                sheet = characterise(
+                    config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
+                )
+            wall_s = time.perf_counter() - start_s
             write_sheet(work, sheet, changes=self.sensor.changes(), wall_s=wall_s)
         print_sheet(sheet)
         say(f"{folder / PAGE}   all experiments took {wall_s:.1f} s")
@@ -90,7 +91,7 @@ def write_sheet(work: Path, sheet: Datasheet, *, changes: Mapping[str, Any], wal
 
 def print_sheet(sheet: Datasheet) -> None:
     """Print each experiment as a table of measured and published figures."""
-    console = Console(file=own_output())
+    console = SafeConsole()
     width = min(_WIDTH, console.width)
     shows_sources = width >= _WIDTH
     for section in sheet.sections.values():

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
 from detector.estimate import FrameDetector
 from formats import EventFile, FormatError
@@ -24,7 +23,7 @@ from scenarios.errors import ScenarioError
 from scenarios.options.method import MethodName
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole, own_output
 from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import FLY
@@ -58,6 +57,8 @@ class Detect:
         Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
     ] = None
     """Also write a figure (.png) of the events, the responses and the event rate."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace existing files of --rrd and --plot."""
     scale_to_sensor: bool = False
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
@@ -82,7 +83,7 @@ class Detect:
 
     def _printer(self) -> EstimatePrinter:
         stream = own_output()
-        return EstimateJson(stream) if self.json else EstimateTable(Console(file=stream))
+        return EstimateJson(stream) if self.json else EstimateTable(SafeConsole())
 
     def _read(
         self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
@@ -107,7 +108,7 @@ class Detect:
                 raise
             check_not_empty(file)
             if self.plot:
-                png = stack.enter_context(atomic_file(self.plot))
+                png = stack.enter_context(atomic_file(self.plot, overwrite=self.overwrite))
                 size = file.width, file.height
                 write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
@@ -117,7 +118,7 @@ class Detect:
     ) -> Callable[[RecordingSlice], None]:
         """Return a function that logs slices; it opens the recorder at the first slice."""
         assert self.rrd is not None
-        work = stack.enter_context(atomic_file(self.rrd))
+        work = stack.enter_context(atomic_file(self.rrd, overwrite=self.overwrite))
         opened: list[FileRecorder] = []
 
         def log(part: RecordingSlice) -> None:
@@ -169,20 +170,20 @@ class Detect:
                 raise ScenarioError(
                     f"{option} is {path}. Allowed is a name that ends in {suffix}. Add the ending."
                 )
-            check_output_file(path, option)
             if path.absolute() == source.absolute():
                 raise ScenarioError(
                     f"{option} is {path}, which is the recording to read. Choose another name."
                 )
+            check_output_file(path, option, overwrite=self.overwrite)
 
     def _print_outputs(self) -> None:
-        console = Console(stderr=True) if self.json else Console(file=own_output())
+        console = SafeConsole(stderr=True) if self.json else SafeConsole()
         if self.plot:
-            console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
+            console.print(f"wrote {self.plot}", soft_wrap=True)
         if self.rrd:
             command = view_command(self.rrd)
             text = f"wrote {self.rrd}   open it with: {command}"
-            console.print(text, soft_wrap=True, markup=False)
+            console.print(text, soft_wrap=True)
 
 
 def _log(recorder: FileRecorder, method: str, part: RecordingSlice) -> None:

@@ -10,10 +10,9 @@ import time
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import run_cli
 from sim import Crossing, CrossingConfig
 from sim.render.vulkan import INSTALL_COMMAND, VECTOR_WIDTH, vector_width_problem, vulkan_devices
@@ -45,7 +44,7 @@ class Doctor:
         if not (no_driver or problem):
             fps = luminance_frames_per_second(FRAMES)
             table.add_row("luminance frames", f"{fps:.1f} per second (346×260, 2×2 supersampled)")
-        Console(file=own_output()).print(table)
+        SafeConsole().print(table)
         if no_driver:
             say(f"No Vulkan driver was found. Install one with: sudo {INSTALL_COMMAND}")
             return 1

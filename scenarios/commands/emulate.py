@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from emulator import EventSensor, SensorOutput, preset
@@ -26,7 +25,7 @@ from scenarios.emulate.pictures import open_pictures
 from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import check_output_file
-from scenarios.output.streams import complain, own_output
+from scenarios.output.streams import SafeConsole, complain
 from scenarios.output.terminal import progress_bar, run_cli
 
 WHITE_CD_M2 = 200.0
@@ -115,9 +114,12 @@ class Emulate:
     interpolate: bool = False
     """Interpolate frames by optical flow so that nothing moves more than half a pixel at once."""
 
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --out."""
+
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
-        check_output_file(self.out, "--out")
+        check_output_file(self.out, "--out", overwrite=self.overwrite)
         options = TimeOptions(self.fps, self.times, self.time_unit)
         pictures = open_pictures(self.input, options)
         if pictures.times.t_us.size < 2:
@@ -127,7 +129,9 @@ class Emulate:
             )
         motion, totals = MotionStatistics(), EmulationTotals()
         config = preset(self.sensor)
-        with open_writer(self.out, width=config.width, height=config.height) as writer:
+        with open_writer(
+            self.out, width=config.width, height=config.height, overwrite=self.overwrite
+        ) as writer:
             self._emulate(pictures, motion, writer, totals)
         self._warn(pictures, motion, totals, takes_frames=writer.takes_frames)
         self._print(pictures, motion, totals)
@@ -221,7 +225,7 @@ class Emulate:
         for name, value in rows.items():
             if name != "interpolated" or self.interpolate:
                 table.add_row(name, value)
-        Console(file=own_output()).print(table)
+        SafeConsole().print(table)
 
 
 def _print_note(text: str, *, kind: str = "warning") -> None:

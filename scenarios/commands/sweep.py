@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.cluster import run_on_cluster
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
@@ -113,7 +112,7 @@ def print_parameters() -> None:
         default = defaults[name]
         shown = list(default) if isinstance(default, tuple) else default
         table.add_row(name, str(shown).lower() if kind is bool else str(shown), allowed(kind))
-    Console(file=own_output(), width=_CONSOLE_WIDTH).print(table)
+    SafeConsole(width=_CONSOLE_WIDTH).print(table)
 
 
 def print_points(points: Sequence[Point], finished: int) -> None:
@@ -125,7 +124,7 @@ def print_points(points: Sequence[Point], finished: int) -> None:
     for n, point in enumerate(points):
         values = dict(point.varied) | dict(point.labels)
         table.add_row(str(n), *(_format(values.get(name, "")) for name in columns))
-    console = Console(file=own_output(), width=_CONSOLE_WIDTH)
+    console = SafeConsole(width=_CONSOLE_WIDTH)
     console.print(table)
     sequences = group_by_sequence(point.config for point in points)
     console.print(f"{len(points)} points of {len(sequences)} sequences; {finished} are finished")

@@ -11,6 +11,7 @@ import tyro
 
 from flybench.checks import Range
 from scenarios.errors import ScenarioError
+from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import RECORDING
 from scenarios.output.streams import say
 from scenarios.output.terminal import has_display, run_cli
@@ -60,6 +61,8 @@ class View:
             help_behavior_hint="(default: no picture)",
         ),
     ] = None
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --screenshot."""
     at_s: Annotated[
         float | None,
         tyro.conf.arg(metavar="SECONDS", help_behavior_hint="(default: middle of the crossing)"),
@@ -75,7 +78,9 @@ class View:
             )
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
-            screenshot(recordings[0], self.screenshot, at_s=self.at_s)
+            check_output_file(self.screenshot, "--screenshot", overwrite=self.overwrite)
+            with atomic_file(self.screenshot, overwrite=self.overwrite) as png:
+                screenshot(recordings[0], png, at_s=self.at_s)
             say(f"wrote {self.screenshot}, a picture of {recordings[0]}")
             return 0
         if not self.web and not has_display():
@@ -122,7 +127,7 @@ def find_recordings(path: Path, name: str | None = None) -> list[Path]:
     if name is not None:
         return [_named(found, name, study)]
     recording = path / RECORDING if path.is_dir() else path
-    if not recording.is_file() or not is_recording(recording):
+    if not is_recording(recording):
         raise ScenarioError(
             f"There is no recording at {path}. Allowed is a folder that flybench run or flybench "
             f"study wrote, or an {SUFFIX} file. Make one with: flybench run"
@@ -143,6 +148,8 @@ def _named(found: list[Path], name: str, study: Path) -> Path:
 
 def is_recording(path: Path) -> bool:
     """Return True if a file begins like the files of Rerun."""
+    if not path.is_file():  # opening a FIFO would block
+        return False
     with path.open("rb") as file:
         return file.read(len(MAGIC)) == MAGIC
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from typing import IO, Any, Self, TextIO
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
@@ -245,21 +245,21 @@ def _summary_table(
     verdict: RecordingVerdict,
     failure: str | None,
 ) -> Table:
-    table = Table(title=escape(str(file.path)), title_justify="left", show_header=False)
+    table = Table(title=str(file.path), title_justify="left", show_header=False)
     for name, value in _file_rows(file):
         table.add_row(name, value)
     for name, value in file.header_fields.items():
-        table.add_row(escape(f"header: {name}"), escape(value))
+        table.add_row(f"header: {name}", value)
     table.add_section()
-    table.add_row("method", escape(method))
+    table.add_row("method", method)
     if scaled:
         table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
     if failure:
-        table.add_row("failed", escape(failure))
+        table.add_row("failed", failure)
     table.add_row("all steps", verdict.shares_text)
     table.add_row("spans", _spans(verdict))
     word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()
-    table.add_row("verdict", f"[bold]{word}[/bold]: {verdict.reason}")
+    table.add_row("verdict", Text.assemble((word, "bold"), f": {verdict.reason}"))
     return table
 
 

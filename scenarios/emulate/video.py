@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,12 @@ from scenarios.emulate.picture_source import Pictures, check_size
 from scenarios.emulate.time_file import times_of_frames
 from scenarios.emulate.video_times import cut_warnings, video_times
 from scenarios.errors import ScenarioError
+
+_CONTAINERS = (
+    "mov,mp4,m4a,3gp,3g2,mj2,avi,matroska,webm,mpeg,mpegts,ogg,flv,asf,mxf,nut,gif,"
+    "yuv4mpegpipe,h264,hevc,m4v,mjpeg,mpegvideo,ivf,obu,dv"
+)
+"""Formats of FFmpeg that contain the video. Playlists are not among them: they name other files."""
 
 
 class Video(Pictures):
@@ -55,6 +62,7 @@ class Video(Pictures):
 
     def _open(self) -> Any:
         # FFmpeg takes "12:30.mp4" for an address of the protocol "12"; a path from / is a file
+        os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = f"format_whitelist;{_CONTAINERS}"
         capture = cv2.VideoCapture(str(self._path.absolute()), cv2.CAP_FFMPEG)
         if not capture.isOpened():
             capture.release()

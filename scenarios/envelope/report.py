@@ -7,7 +7,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.envelope.grid import BASE, NOISE, SPEED, Grid
@@ -24,7 +23,7 @@ from scenarios.envelope.table import (
     operating_range,
 )
 from scenarios.output.atomic_folder import write_summary
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole
 from scenarios.output.tables import write_table
 from scenarios.output.versions import versions
 from scenarios.runs.run_table import format_percent
@@ -80,7 +79,7 @@ def write_envelope(
 
 def print_envelope(rows: Sequence[Row], grid: Grid) -> None:
     """Print correct steps by speed and noise, and the operating range, for every method."""
-    console = Console(file=own_output())
+    console = SafeConsole()
     for method in levels(rows, "method"):
         own = [row for row in rows if row["method"] == method]
         full = at_base_point(own, (SPEED, NOISE, *grid.crossed))

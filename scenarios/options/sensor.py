@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
@@ -40,6 +39,7 @@ from emulator import (
 )
 from emulator.presets import WITHOUT_FRAMES, PresetName
 from scenarios.errors import ScenarioError
+from scenarios.options.toml_file import parse_toml, read_toml
 
 DEFAULT: PresetName = "davis346"
 _PRESET, _APS, _READOUT, _BIASES = "preset", "aps", "readout", "biases"
@@ -93,7 +93,9 @@ class SensorOptions:
             ScenarioError: the file cannot be read, an argument is not NAME=VALUE, or a name is
                 given twice.
         """
-        merged: dict[str, Any] = {} if self.config is None else _read(self.config)
+        merged: dict[str, Any] = (
+            {} if self.config is None else read_toml(self.config, ScenarioError)[1]
+        )
         given = [_parsed(argument) for argument in self.set]
         _check_once([name for name, _ in given])
         for name, value in given:
@@ -219,27 +221,12 @@ def _parsed(argument: str) -> tuple[str, Any]:
     if _BARE_WORD.fullmatch(text) and text not in {"true", "false", "inf", "nan"}:
         return name, text
     try:
-        return name, tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return name, parse_toml(f"value = {text}")["value"]
+    except ValueError:
         raise ScenarioError(
             f"--set {argument!r} has a value that cannot be read. Allowed is a number, true, "
             "false, a word or [coarse, fine], such as theta_on=0.25."
         ) from None
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ScenarioError(
-            f"The sensor file {path} cannot be read ({error.strerror}). Give the path of a TOML "
-            "file with --config."
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(
-            f"The sensor file {path} is not valid TOML: {error}. Allowed are lines such as "
-            "theta_on = 0.25. Correct the file."
-        ) from error
 
 
 def _sorted(values: Any) -> Any:

@@ -8,7 +8,12 @@ import os
 import sys
 import unicodedata
 from contextlib import suppress
-from typing import TextIO
+from typing import Any, TextIO
+
+from rich.console import Console
+from rich.text import Text
+
+from flybench.printable import printable
 
 _PLAIN = {
     "→": ">",
@@ -83,15 +88,36 @@ def own_output() -> TextIO:
     return _Own.stream or sys.stdout
 
 
+class SafeConsole(Console):
+    """A console for our own output that prints text as it is.
+
+    It escapes control characters and knows no markup, because texts may come from files.
+    """
+
+    def __init__(self, *, stderr: bool = False, width: int | None = None) -> None:
+        """Create a console.
+
+        Args:
+            stderr: True to print on standard error.
+            width: width of the output [characters]; None: that of the terminal.
+        """
+        file = None if stderr else own_output()
+        super().__init__(file=file, stderr=stderr, width=width, markup=False, emoji=False)
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text as the console prints it; tables use this for their cells, too."""
+        return super().render_str(printable(text), **options)
+
+
 def say(text: str) -> None:
-    """Print a line of our own output."""
-    print(text, file=own_output())
+    """Print a line of our own output, with control characters escaped."""
+    print(printable(text), file=own_output())
 
 
 def complain(text: str) -> None:
     """Print a line on standard error, such as an error; it may be closed."""
     with suppress(OSError):
-        print(f"flybench: {text}", file=sys.stderr, flush=True)
+        print(f"flybench: {printable(text)}", file=sys.stderr, flush=True)
 
 
 def discard_output() -> None:

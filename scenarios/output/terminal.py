@@ -5,24 +5,32 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from dataclasses import field, make_dataclass
+from typing import Annotated, Any, Protocol
 
 import tyro
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
+from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
+from flybench.printable import printable
 from scenarios.errors import is_interrupt
 from scenarios.output.repetition import check_repetition
 from scenarios.output.streams import (
+    SafeConsole,
     claim_output,
     complain,
     discard_output,
     own_output,
     prepare_streams,
 )
+
+_MEMORY_HELP = "Memory for large arrays in each process [GB]. What would need more is refused."
+_MEMORY_HINT = f"(default: ${VARIABLE}, or {DEFAULT_GB:g})"
 
 
 class Command(Protocol):
@@ -48,7 +56,7 @@ class ProgressBars:
         Returns:
             Function that sets the bar from the amount done and the total, such as times in µs.
         """
-        task = self._progress.add_task(name, total=None)
+        task = self._progress.add_task(printable(name), total=None)
 
         def advance(done: int, total: int) -> None:
             self._progress.update(task, completed=done, total=total)
@@ -65,14 +73,14 @@ def progress_bar(speed_over_s: float = 30.0) -> Iterator[ProgressBars]:
             a long period for long steps.
     """
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    console = Console(stderr=True)
+    console = SafeConsole(stderr=True)
     with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
         yield ProgressBars(progress)
 
@@ -94,8 +102,15 @@ def run_cli(command: Any, *, prog: str | None = None, description: str | None = 
     """
     prepare_streams()
     try:
-        chosen = tyro.cli(command, prog=prog, description=description)
+        arguments = tyro.cli(
+            _with_shared_options(command),
+            prog=prog,
+            description=description or command.__doc__,
+            config=(tyro.conf.CascadeSubcommandArgs,),
+        )
+        chosen: Any = arguments.command
         check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
+        set_budget(budget_gb() if arguments.memory_gb is None else arguments.memory_gb)
     except FlybenchError as error:  # raised by arguments that check themselves
         complain(str(error))
         sys.exit(2)
@@ -119,6 +134,16 @@ def _flushed(status: Any) -> Any:
     return status
 
 
+def _with_shared_options(command: Any) -> Any:
+    """Return a class whose arguments are a command, and the options that all commands share."""
+    memory = tyro.conf.arg(metavar="GB", help=_MEMORY_HELP, help_behavior_hint=_MEMORY_HINT)
+    arguments: list[tuple[str, Any, Any]] = [
+        ("command", Annotated[command, tyro.conf.arg(name="")], field()),
+        ("memory_gb", Annotated[float | None, memory], None),
+    ]
+    return make_dataclass("Arguments", arguments)
+
+
 def execute(command: Command) -> int:
     """Run a command and return the exit status of the process.
 
@@ -131,6 +156,9 @@ def execute(command: Command) -> int:
     except FlybenchError as error:
         complain(str(error))
         return 2
+    except MemoryError:
+        complain("memory ran out. Close other programs, or choose something smaller.")
+        return 2
     except KeyboardInterrupt:
         return _interrupted()
     except SystemError as error:
@@ -140,6 +168,19 @@ def execute(command: Command) -> int:
     except BrokenPipeError:  # the reader of our output has closed it
         discard_output()
         return 1
+    except OSError as error:
+        if not caused_by_full_disk(error):
+            raise
+        try:
+            own_output().flush()
+        except OSError:  # it is the standard output that has no room
+            discard_output()
+        where = f" of {error.filename}" if error.filename else ""
+        complain(
+            f"The disk{where} is full ({error.strerror}). It is that of the output, of "
+            f"{tempfile.gettempdir()} or of the standard output. Free some space there."
+        )
+        return 2
 
 
 def report_failures(reasons: Iterable[str]) -> int:

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from flybench.errors import FlybenchError
+from flybench.memory import budget_gb, set_budget
 from scenarios.errors import ScenarioError, describe
 
 _TIMEOUT_S = 10
@@ -46,7 +47,7 @@ def run_on_cluster(
     """
     distributed = _distributed()
     with _quiet(), _client(distributed, address) as client:
-        work = [pickle.dumps((function, task)) for task in tasks]
+        work = [pickle.dumps((function, task, budget_gb())) for task in tasks]
         futures = client.map(_run_pickled, work, pure=False)
         number = {future.key: n for n, future in enumerate(futures)}
         for future, result in _completed(distributed, client, futures, address):
@@ -99,7 +100,8 @@ def _quiet() -> Iterator[None]:
 
 def _run_pickled(work: bytes) -> Any:
     """Unpickle and run a task, so that a failed import is an error of the task, not the worker."""
-    function, task = pickle.loads(work)
+    function, task, budget = pickle.loads(work)
+    set_budget(budget)
     return function(task)
 
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 from detector.estimate import Detector, MotionEstimate
 from detector.fly.detector import FlyDetector
 from emulator import EventSensor, SensorOutput
+from emulator.sensor import sensor_bytes
+from flybench.memory import check_memory
 from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.user_detectors import find_method
 from sim import Crossing, GroundTruth, Intrinsics, LuminanceCache, Sample
+from sim.render.filament import rendering_bytes
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,21 @@ def make_feed(config: RunConfig) -> DetectorFeed:
     return DetectorFeed(config.method, detector, width=sensor.width, height=sensor.height)
 
 
+def check_run_memory(config: RunConfig) -> None:
+    """Refuse a run whose scene, sensor and detector do not fit into memory together.
+
+    Raises:
+        MemoryBudgetError: they do not fit into the memory budget.
+        MethodError: the detector does not exist, or does not follow the protocol.
+    """
+    detector, sensor = make_detector(config), config.sensor
+    intrinsics = Intrinsics(sensor.width, sensor.height, sensor.focal_length_px)
+    needed = sensor_bytes(sensor) + rendering_bytes(intrinsics, config.crossing.supersample)
+    what = f"Rendering and emulation of {sensor.width}×{sensor.height} px"
+    check_memory(what, needed)
+    del detector  # counted until here
+
+
 def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
     """Add the target's position in a sample to a track."""
     centroid = truth.centroid_px
@@ -99,15 +117,21 @@ def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
 
 
 def run_steps(
-    config: RunConfig, crossing: Crossing, feed: DetectorFeed, watch: Stopwatch
+    config: RunConfig,
+    crossing: Crossing,
+    feed: DetectorFeed,
+    watch: Stopwatch,
+    record: Callable[[Sample, SensorOutput], None] = lambda _sample, _output: None,
 ) -> Iterator[Step]:
-    """Render, emulate and detect, sample by sample.
+    """Render, emulate, record and detect, sample by sample.
 
     Args:
         config: configuration of the run.
         crossing: scene of the run.
         feed: fresh detector; if it fails, the steps after that have no estimates.
-        watch: stopwatch that takes the time of the stages "render", "emulate" and "detect".
+        watch: stopwatch that takes the time of the stages "render", "emulate", "record" and
+            "detect".
+        record: function that writes the output of the sensor, before the detector sees it.
 
     Yields:
         One step per sample, in order of time.
@@ -121,6 +145,8 @@ def run_steps(
             return
         with watch.stage("emulate"):
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
+        with watch.stage("record"):
+            record(sample, output)
         with watch.stage("detect"):
             estimates = feed.feed(output.events, until_us=sample.t_us + 1, frames=output.aps_frames)
         yield Step(sample, output, estimates)

@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.output.atomic_folder import GENERATOR, RECORDING
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
 
@@ -24,7 +23,7 @@ Summaries = Sequence[tuple[Path, dict[str, Any]]]
 
 def print_runs(runs: Summaries) -> None:
     """Print the results of runs side by side, and the commands that open their recordings."""
-    console = Console(file=own_output())
+    console = SafeConsole()
     table = Table(title="flybench", title_justify="left")
     table.add_column("")
     for folder, _ in runs:
@@ -37,7 +36,7 @@ def print_runs(runs: Summaries) -> None:
     console.print(table)
     for folder, _ in runs:
         line = f"{folder / RECORDING}   open it with: {view_command(folder)}"
-        console.print(line, soft_wrap=True, markup=False)
+        console.print(line, soft_wrap=True)
 
 
 _SECTION_ENDS = ("image speed", "hot pixels", "GRMS [1/s]")

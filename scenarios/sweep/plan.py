@@ -12,7 +12,7 @@ from typing import Any
 from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.run_config import RunConfig
-from scenarios.pipeline.running import make_crossing, make_detector
+from scenarios.pipeline.running import check_run_memory, make_crossing
 from scenarios.sweep.parameters import PRESET, SEED, Settings, make_config
 from scenarios.sweep.sweep_file import MAX_POINTS, SweepFile, SweepFileError, read_sweep
 from sim import Profile
@@ -103,11 +103,16 @@ def _merged(all_settings: Iterable[Settings]) -> dict[str, Any]:
 def _check_runs(configs: Sequence[RunConfig]) -> None:
     """Create every detector, and every crossing with constant angular velocity, to find errors now.
 
+    The memory of every run is added up, too.
+
     Such a crossing may have no end, which no check of its parameters finds.
     """
-    detectors = {(c.method, c.fly, c.sensor.width, c.sensor.height): c for c in configs}
-    for config in detectors.values():
-        make_detector(config)
+    runs = {
+        (c.method, c.fly, c.sensor.width, c.sensor.height, c.crossing.supersample): c
+        for c in configs
+    }
+    for config in runs.values():
+        check_run_memory(config)
     constant_omega = [c for c in configs if c.crossing.profile is Profile.CONSTANT_OMEGA]
     for config in {
         (c.crossing, c.sensor.width, c.sensor.height, c.sensor.focal_length_px): c

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.errors import ScenarioError
+from scenarios.options.toml_file import read_toml
 from scenarios.sweep.parameters import (
     METHOD,
     PRESET,
@@ -73,32 +73,11 @@ def read_sweep(path: Path) -> SweepFile:
         SweepFileError: the file does not exist, is not TOML, or holds an unknown key or a value of
             a wrong type. The message names the file, the key, the value and what is allowed.
     """
-    text = _read(path)
-    try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SweepFileError(
-            f"{path} is not valid TOML: {error}. Allowed is the format that toml.io describes, "
-            "with every key once. Correct this line."
-        ) from None
+    text, tables = read_toml(path, SweepFileError)
     try:
         return _parse(path, text, tables)
     except ScenarioError as error:
         raise SweepFileError(f"{path}: {error}") from error
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise SweepFileError(
-            f"{path} is not a text file. Allowed is a TOML file in UTF-8. Choose another file."
-        ) from None
-    except OSError as error:
-        raise SweepFileError(
-            f"{path} cannot be read ({error.strerror}). Allowed is a TOML file. Choose another "
-            "file."
-        ) from error
 
 
 def _parse(path: Path, text: str, tables: dict[str, Any]) -> SweepFile:
@@ -166,12 +145,14 @@ def _grid_axis(name: str, values: Any) -> tuple[Level, ...]:
             f"single value use [{FIXED}]."
         )
     typed = [converted(name, value) for value in values]
-    for n, value in enumerate(typed):
-        if value in typed[:n]:
+    seen: set[Any] = set()
+    for given, value in zip(values, typed, strict=True):
+        if value in seen:
             raise ScenarioError(
-                f"{name} holds {values[n]!r} twice. Allowed is every value once. To repeat a point "
+                f"{name} holds {given!r} twice. Allowed is every value once. To repeat a point "
                 f"with other noise, use {SEEDS}."
             )
+        seen.add(value)
     return tuple(Level({name: value}) for value in typed)
 
 

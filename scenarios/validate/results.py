@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from flybench.direction import Direction
@@ -149,11 +148,11 @@ def print_results(console: Console, results: Sequence[WindowResult]) -> None:
 def _print_table(
     console: Console, title: str, by_method: dict[str, Total], *, moving: bool
 ) -> None:
-    table = Table(title=escape(title), title_justify="left", title_style="bold", box=None)
+    table = Table(title=title, title_justify="left", title_style="bold", box=None)
     for name in head(moving=moving):
         table.add_column(name, justify="left" if name == "method" else "right")
     for method, total in by_method.items():
-        table.add_row(escape(method), *cells(total, moving=moving))
+        table.add_row(method, *cells(total, moving=moving))
     console.print(table)
     for note in dict.fromkeys(total.note for total in by_method.values() if total.note):
         methods = ", ".join(method for method, total in by_method.items() if total.note == note)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import fmean
 
-from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole
 from scenarios.runs.run_table import (
     format_overlap,
     format_percent,
@@ -41,7 +40,7 @@ def print_rows(rows: Sequence[Row]) -> None:
             table.add_column(name, no_wrap=name != "verdict")
         for omega in dict.fromkeys(row["omega_rad_s"] for row in own):
             table.add_row(*_cells([row for row in own if row["omega_rad_s"] == omega]))
-        Console(file=own_output()).print(table)
+        SafeConsole().print(table)
 
 
 def _cells(rows: Sequence[Row]) -> tuple[str, ...]:

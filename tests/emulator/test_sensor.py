@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from emulator import Davis346, EventSensor, FrameError, SensorConfig, SensorConfigError
 from emulator.readout.config import UNLIMITED
 from flybench.events import EVENT_DTYPE, Cause, check_events
+from flybench.memory import MemoryBudgetError
 from tests.emulator.stimuli import (
     HEIGHT,
     WIDTH,
@@ -379,3 +380,28 @@ def test_the_davis346_is_the_sensor_with_the_default_configuration() -> None:
     assert isinstance(sensor, EventSensor)
     assert sensor.config == SensorConfig()
     assert Davis346(noisy_config(), seed=1).config == noisy_config()
+
+
+def test_a_huge_sensor_is_refused() -> None:
+    with pytest.raises(MemoryBudgetError, match="A sensor of 30000×30000 px needs 135 GB"):
+        EventSensor(SensorConfig(width=30_000, height=30_000), seed=0)
+
+
+def test_too_many_events_in_a_step_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.01")
+    sensor = EventSensor(replace(SensorConfig.ideal(width=64, height=64), theta_on=0.01), seed=0)
+    sensor.step(0, np.full((64, 64), 1e-3, np.float32))
+    with pytest.raises(MemoryBudgetError, match="The step from 0 to 1000 µs gives"):
+        sensor.step(1000, np.full((64, 64), 1e6, np.float32))
+
+
+def test_too_many_frames_in_a_step_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.01")
+    sensor = EventSensor(SensorConfig.noise_free(width=100, height=100), seed=0)
+    scene = np.full((100, 100), 100.0, np.float32)
+    sensor.step(0, scene)
+    with pytest.raises(MemoryBudgetError, match=r"with up to 801 APS frames needs 0\.016"):
+        sensor.step(20_000_000, scene)
+    assert sensor.step(1_000_000, scene).aps_frames

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from flybench.events import EVENT_DTYPE, check_events
-from formats import FormatError, open_events, read_events
+from flybench.memory import MemoryBudgetError
+from formats import FormatError, open_events, read_events, write_events
 from formats.columns import PARSED_DTYPE
 from tests.formats.sample_files import (
     FILE_MAKERS,
@@ -325,3 +326,14 @@ def test_a_recording_of_dv_is_read(tmp_path: Path) -> None:
     )  # the other began before the first event
     assert (frame.start_us, frame.end_us) == (40_000 - first_us, 49_000 - first_us)
     assert np.array_equal(frame.image, image.astype(np.uint16) * 4)
+
+
+def test_more_events_than_fit_into_memory_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "many.npz"
+    write_events(path, [np.zeros(100_000, EVENT_DTYPE)], width=4, height=4)
+    monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.001")
+    with pytest.raises(MemoryBudgetError, match="The list of the first 100000 events"):
+        read_events(path)

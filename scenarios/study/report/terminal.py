@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich.console import Console
 from rich.table import Table
 
-from scenarios.output.streams import own_output
+from scenarios.output.streams import SafeConsole
 from scenarios.runs.run_table import format_three_digits
 from scenarios.study.claims.claim import Claim, format_interval
 from scenarios.study.rows import Row
@@ -40,7 +39,7 @@ def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
                     for name in ("ms_per_estimate", "ns_per_event")
                 ),
             )
-    console = Console(file=own_output())
+    console = SafeConsole()
     console.print(table)
     for claim in claims:
         console.print(f"{claim.holds}: {claim.statement}", soft_wrap=True, highlight=False)

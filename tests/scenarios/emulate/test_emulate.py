@@ -1,5 +1,6 @@
 """`flybench emulate`: events, warnings and errors."""
 
+import os
 import re
 import shutil
 from dataclasses import replace
@@ -64,6 +65,22 @@ def test_a_video_states_its_rate_and_aedat4_contains_frames(
         assert file.statistics.events > 1000
         assert len(frames) > 3
     assert frames[0].image.shape == (260, 346)
+
+
+def test_a_playlist_reads_no_other_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other, playlist = tmp_path / "other.avi", tmp_path / "list.avi"
+    writer = cv2.VideoWriter(str(other), cv2.VideoWriter.fourcc(*"MJPG"), 100.0, (64, 48))
+    for level in range(5):
+        writer.write(np.full((48, 64, 3), level, np.uint8))
+    writer.release()
+    playlist.write_text("ffconcat version 1.0\nfile other.avi\n")
+    assert execute(Emulate(playlist, tmp_path / "a.h5")) == 2
+    assert "list.avi is not a video that OpenCV can open" in capsys.readouterr().err
+
+
+def test_a_fifo_among_images_does_not_block(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "frame_1.png")
+    assert execute(Emulate(tmp_path, tmp_path / "a.h5", fps=10)) == 2
 
 
 def test_images_are_read_in_the_order_of_their_numbers(tmp_path: Path, array: Path) -> None:
@@ -190,6 +207,19 @@ def test_an_array_of_luminance_is_accepted(tmp_path: Path) -> None:
     luminance = np.stack([200 * wall(0.5 * k, rows=260, columns=346) for k in range(20)])
     np.save(tmp_path / "luminance.npy", luminance)
     assert emulate(tmp_path / "luminance.npy", tmp_path / "a.npz").size > 1000
+
+
+def test_a_file_of_the_user_is_replaced_only_with_overwrite(
+    array: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.csv"
+    mine.write_text("mine")
+    command = Emulate(array, mine, fps=1000.0)
+    assert execute(command) == 2
+    assert "exists already. Allowed is a new file." in capsys.readouterr().err
+    assert mine.read_text() == "mine"
+    assert execute(replace(command, overwrite=True)) == 0
+    assert read_events(mine).size > 0
 
 
 def test_motion_in_bright_luminance_is_noticed(

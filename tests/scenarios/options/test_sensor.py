@@ -162,7 +162,7 @@ def test_values_out_of_range_are_refused_by_the_sensor(given: str, words: str) -
     ("content", "words"),
     [
         (b"theta_on 0.2", "is not valid TOML"),
-        (b"\xff\xfe", "is not valid TOML"),
+        (b"\xff\xfe", "is not a text file"),
         (b"theta_onn = 0.2", "no parameter 'theta_onn'"),
         (b"theta_on = 0.2\n[theta_on]\n", "is not valid TOML"),
         (None, "cannot be read"),

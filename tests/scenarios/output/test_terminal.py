@@ -1,14 +1,19 @@
 """Exit status and errors of commands."""
 
+import errno
+import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from rich.table import Table
 
+from flybench.memory import VARIABLE
 from formats import FormatError
-from scenarios.output.terminal import execute
+from scenarios.output.streams import SafeConsole, say
+from scenarios.output.terminal import execute, progress_bar
 
 PRINTS_MUCH = """
 import sys
@@ -98,3 +103,83 @@ def test_an_interrupted_command_removes_its_temporary_files(
         assert process.stderr.read() == b"flybench: interrupted\n"
         assert process.wait() == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_elsewhere_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    class Full:
+        def execute(self) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device", "/somewhere/a.txt")
+
+    assert execute(Full()) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("flybench: The disk of /somewhere/a.txt is full (No space left")
+    assert message.count("\n") == 1
+
+
+def test_a_full_standard_output_is_one_sentence() -> None:
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", PRINTS_MUCH], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith(b"flybench: The disk is full (No space left on device).")
+    assert done.stderr.count(b"\n") == 1
+
+
+def test_text_is_printed_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    table = Table("[/red] :smile:", title="[bold]\x1b[2J")
+    table.add_row("[/red]\x1b]0;title\x07")
+    SafeConsole(width=60).print(table)
+    SafeConsole(width=60).print("[/green] \x1b[31m")
+    say("done: \x1b[31m")
+    shown = capsys.readouterr().out
+    assert "\x1b" not in shown
+    for part in ("[/red] :smile:", "[bold]\\x1b[2J", "[/red]\\x1b]0;title\\x07", "done: \\x1b[31m"):
+        assert part in shown
+
+
+def test_a_progress_bar_takes_any_name() -> None:
+    with progress_bar() as progress:
+        progress.track("[/red]\x1b[2J")(1, 2)
+
+
+def test_memory_that_runs_out_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    class Command:
+        def execute(self) -> int:
+            raise MemoryError
+
+    assert execute(Command()) == 2
+    assert capsys.readouterr().err.startswith("flybench: memory ran out. ")
+
+
+def run_flybench(*arguments: str) -> tuple[int, str]:
+    environment = {k: v for k, v in os.environ.items() if k != VARIABLE} | {"COLUMNS": "200"}
+    done = subprocess.run(
+        [sys.executable, "-m", "flybench", *arguments],
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_the_budget_is_an_option_of_every_command(tmp_path: Path) -> None:
+    path = tmp_path / "large.csv"
+    path.write_text("0,0,0,1\n10,29000,28000,1\n20,5,5,0\n")
+    detect = ("detect", str(path), "--columns", "txyp")
+    for arguments in (detect, ("--memory-gb", "3", *detect)):
+        status, shown = run_flybench(*arguments)
+        assert status == 2
+        assert "A fly of 29001×28001 px needs" in shown
+        assert f"Allowed is {3 if '3' in arguments else 4} GB" in shown
+        assert "--memory-gb" in shown
+        assert len(shown.strip().splitlines()) == 1
+
+
+def test_a_sweep_with_markup_in_its_names_is_shown(tmp_path: Path) -> None:
+    path = tmp_path / "[red].toml"
+    path.write_text('[[levels."[/green]"]]\nname = "[/red] \\u001b[2J"\nseed = 1\n')
+    status, shown = run_flybench("sweep", str(path), "--dry-run", "--out", str(tmp_path / "out"))
+    assert (status, "\x1b" in shown) == (0, False), shown
+    assert "[/green]" in shown
+    assert "[/red] \\x1b[2J" in shown

@@ -169,3 +169,28 @@ def test_a_file_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
         SweepFileError, match=r"is not a text file\. Allowed is a TOML file in UTF-8"
     ):
         read_plan(tmp_path / "bytes.toml")
+
+
+def test_a_sensor_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "huge.toml"
+    path.write_text("[fixed]\nsensor.width = 30000\nsensor.height = 30000\n[grid]\nseed = [1, 2]\n")
+    with pytest.raises(SweepFileError, match=r"30000×30000 px needs .* Allowed is 4 GB"):
+        read_plan(path)
+
+
+def test_scene_sensor_and_detector_must_fit_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "fine.toml"
+    path.write_text("[grid]\nseed = [1, 2]\n")
+    monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.1")
+    with pytest.raises(SweepFileError, match="Rendering and emulation of 346×260 px"):
+        read_plan(path)
+
+
+def test_a_long_axis_takes_no_quadratic_time(tmp_path: Path) -> None:
+    path = tmp_path / "long.toml"
+    path.write_text(f"[grid]\nseed = {list(range(150_000))}\n")
+    with pytest.raises(SweepFileError, match="The sweep has 150,000 points"):
+        read_plan(path)
