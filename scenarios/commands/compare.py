@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
 from formats import EventFile
 from scenarios.commands.detect import check_not_rerun
@@ -20,7 +19,7 @@ from scenarios.errors import ScenarioError
 from scenarios.event_statistics.recording_statistics import RecordingStatistics, statistics_of
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
-from scenarios.output.streams import own_output, say
+from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import run_cli
 
 
@@ -38,6 +37,8 @@ class Compare:
         Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
     ] = None
     """Also write a figure (.png) of the distributions and the distances."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace the figure if it exists."""
     input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
@@ -49,15 +50,15 @@ class Compare:
         statistics = read[0][1], read[1][1]
         rows = compare_statistics(*statistics)
         if self.plot:
-            with atomic_file(self.plot) as png:
+            with atomic_file(self.plot, overwrite=self.overwrite) as png:
                 write_plot(png, (f"A: {paths[0].name}", f"B: {paths[1].name}"), statistics, rows)
         if self.json:
             say(json.dumps(comparison_dict(files, statistics, rows), allow_nan=False))
         else:
-            print_comparison(Console(file=own_output()), files, statistics, rows)
+            print_comparison(SafeConsole(), files, statistics, rows)
         if self.plot:
-            console = Console(stderr=True) if self.json else Console(file=own_output())
-            console.print(f"wrote {self.plot}", soft_wrap=True, markup=False)
+            console = SafeConsole(stderr=True) if self.json else SafeConsole()
+            console.print(f"wrote {self.plot}", soft_wrap=True)
         return 0
 
     def _read(self, path: Path) -> tuple[EventFile, RecordingStatistics]:
@@ -78,11 +79,11 @@ class Compare:
             raise ScenarioError(
                 f"--plot is {self.plot}. Allowed is a name that ends in .png. Add the ending."
             )
-        check_output_file(self.plot, "--plot")
         if self.plot.absolute() in [source.absolute() for source in sources]:
             raise ScenarioError(
                 f"--plot is {self.plot}, which is a recording to read. Choose another name."
             )
+        check_output_file(self.plot, "--plot", overwrite=self.overwrite)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ def print_comparison(
     """
     for letter, file, found in zip("AB", files, statistics, strict=True):
         text = f"{letter}: {file.path}, {_summary(file, found)}"
-        console.print(text, soft_wrap=True, markup=False)
+        console.print(text, soft_wrap=True)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for head in ("statistic", "A", "B", "distance", "measure"):
         table.add_column(head, justify="left" if head in ("statistic", "measure") else "right")
@@ -42,7 +42,7 @@ def print_comparison(
         table.add_row(row.name, *cells, str(row.measure))
     console.print(table)
     for note in notes(statistics):
-        console.print(note, soft_wrap=True, markup=False)
+        console.print(note, soft_wrap=True)
 
 
 def format_value(value: float | None, unit: Unit) -> str:
