@@ -35,7 +35,7 @@ LAYERS = {
     ),
     "detector": (
         "errors estimate event_checks windowed decision fly metrics frame_fly "
-        "contrast_maximisation plane_fit"
+        "contrast_maximisation plane_fit space_time_filters spiking_delays time_difference"
     ),
     "formats": (
         "errors columns identify column_order time_unit event_order sensor_size "
