@@ -128,7 +128,7 @@ class SpikingDelays(WindowedDetector):
 
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
         c = self.config
-        self._window.append(self._network.run(events, end_us))
+        self._window.append(self._network.run(events, end_us - c.hop_us, end_us))
         spikes = np.sum(self._window, axis=0)
         velocity, ratio = (0.0, 0.0), 0.0
         if spikes.sum() >= c.least_spikes:

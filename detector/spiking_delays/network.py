@@ -3,8 +3,7 @@
 Every pixel has one neuron per direction and speed. In the first layer, which is separate for each
 polarity, the spikes of an edge that moves with a neuron's velocity reach it together, because the
 delays of its synapses make up for the time that the edge takes. The second layer has no delays. It
-adds the spikes of neighbouring pixels, also those of edges that move more slowly because they are
-oblique to the motion.
+adds the spikes of neighbouring pixels, and those of edges that are oblique to the motion.
 
 A potential decays linearly towards 0. A neuron is stored as the time at which it reaches 0,
 negative if it comes from below, in 32 bits: the neurons are far more than fit into a cache, so that
@@ -61,7 +60,7 @@ def layer_rules(slowest_px_s: float) -> tuple[Rules, Rules]:
 
 
 _EPOCH_US = 8_000_000
-"""Time after which neurons count time anew [µs]: up to there, 32 bits resolve 0.5 µs."""
+"""Time after which the clock of the neurons is set to 0 [µs]: 32 bits then resolve 0.5 µs."""
 
 
 class SpikingNetwork:
@@ -84,7 +83,7 @@ class SpikingNetwork:
         image = (height, width, DIRECTIONS)
         self._first = np.zeros((2, SPEEDS, *image), np.float32)
         self._second = np.zeros((SPEEDS, *image), np.float32)
-        self._epoch_us = self._now_us = 0
+        self._epoch_us = 0
         longest_us = np.zeros(SPEEDS)
         np.maximum.at(longest_us, self._synapses.speed, self._synapses.delay_us)
         self._refractory_us = longest_us
@@ -93,32 +92,33 @@ class SpikingNetwork:
         self._counts = np.zeros(SPEEDS, np.int64)
         self._heads = np.zeros(len(self._synapses.speed), np.int64)
 
-    def run(self, events: Events, until_us: int) -> I64:
+    def run(self, events: Events, from_us: int, until_us: int) -> I64:
         """Read the next events and return how often the neurons of the second layer fire.
 
         Args:
-            events: sorted by t; none before the events of earlier calls, and all before `until_us`.
-            until_us: time to which the network runs, exclusive [µs].
+            events: sorted by t, all in the span.
+            from_us: start of the span, not before the end of the last one [µs].
+            until_us: end of the span, exclusive [µs].
 
         Returns:
             (speeds, directions) int64, number of spikes.
         """
-        self._count_time_anew()
+        spikes = np.zeros((SPEEDS, DIRECTIONS), np.int64)
+        if from_us - self._epoch_us >= _EPOCH_US:
+            self._pass_on(from_us, spikes)
+            for neurons in (self._first, self._second):
+                _turn_back(neurons.reshape(-1), from_us - self._epoch_us)
+            self._epoch_us = from_us
         self._make_room(events.size)
         _accept(events, self._refractory_us, self._accepted_us, self._waiting, self._counts)
-        spikes = np.zeros((SPEEDS, DIRECTIONS), np.int64)
+        self._pass_on(until_us, spikes)
+        return spikes
+
+    def _pass_on(self, until_us: int, spikes: I64) -> None:
+        """Pass on the spikes that arrive before a time, and count those of the second layer."""
         layers, queue = (self._first, self._second), (self._waiting, self._counts, self._heads)
         times = (self._epoch_us, until_us - self._epoch_us)
         _run(times, self._synapses, self._rules, layers, queue, spikes)
-        self._now_us = until_us
-        return spikes
-
-    def _count_time_anew(self) -> None:
-        """Set the neurons' clock to 0 if it is late."""
-        if self._now_us - self._epoch_us >= _EPOCH_US:
-            for neurons in (self._first, self._second):
-                _turn_back(neurons.reshape(-1), self._now_us - self._epoch_us)
-            self._epoch_us = self._now_us
 
     def _make_room(self, number: int) -> None:
         """Remove the events that all synapses have passed on, and make room for new ones."""
@@ -148,7 +148,6 @@ def _accept(events: Any, refractory_us: Any, accepted_us: Any, waiting: Any, cou
 
 @compiled
 def _turn_back(neurons: Any, by_us: int) -> None:
-    """Turn the clock of the neurons back."""
     for n in range(neurons.size):
         neurons[n] = np.copysign(max(abs(neurons[n]) - np.float32(by_us), 0), neurons[n])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -82,6 +83,16 @@ def assert_cuts_change_nothing(make: Maker) -> None:
         piece = events[start : start + 1501]
         pieces += many.push(piece) + many.advance(int(piece["t"][-1]))
     assert pieces + many.advance(until_us) == whole
+
+
+def assert_a_late_start_changes_nothing(make: Maker) -> None:
+    """Check that a stream that starts late gives the same estimates."""
+    events, _ = passing(300, Direction.RIGHT, noise_hz=0.0)
+    events = events[events["t"] < 100_000]
+    found, late = make().push(events), make()
+    events["t"] += 10**15
+    later = [replace(e, t_us=e.t_us - 10**15) for e in late.push(events)]
+    assert later == found
 
 
 def assert_many_events_at_one_time_are_survived(make: Maker) -> None:

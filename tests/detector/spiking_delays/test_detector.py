@@ -6,6 +6,7 @@ from detector.estimate import FrameDetector
 from detector.spiking_delays.detector import SpikingDelays, SpikingDelaysConfig, mean_velocity
 from flybench.direction import CARDINAL, Direction
 from tests.detector.drawn_trials import (
+    assert_a_late_start_changes_nothing,
     assert_cuts_change_nothing,
     assert_many_events_at_one_time_are_survived,
     settled,
@@ -59,6 +60,10 @@ def test_noise_gives_none(rate_hz: float) -> None:
 
 def test_cuts_and_calls_of_advance_change_no_estimate() -> None:
     assert_cuts_change_nothing(SpikingDelays)
+
+
+def test_a_late_start_changes_nothing() -> None:
+    assert_a_late_start_changes_nothing(SpikingDelays)
 
 
 def test_many_events_at_one_time_are_survived() -> None:

@@ -116,21 +116,21 @@ def test_the_network_equals_a_plain_loop_over_all_arrivals(noise_hz: float) -> N
     size = {"width": WIDTH, "height": HEIGHT}
     events = merged(oblique_edges(8), noise(noise_hz, duration_us=500_000, **size))
     of_loop = plain_network(events)
-    found = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT).run(events, 10_000_000)
+    found = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT).run(events, 0, 10_000_000)
     assert of_loop.sum() > 10
     np.testing.assert_array_equal(found, of_loop)
 
 
 def test_neither_steps_nor_the_clock_of_the_neurons_change_a_spike() -> None:
     events = oblique_edges(8)
-    whole = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT).run(events, 10**9)
+    whole = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT).run(events, 0, 10**9)
     late = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT)
     start_us = 7_750_000  # the neurons' clock is set to 0 while the edges pass
     events["t"] += start_us
-    spikes = late.run(events[:0], start_us)
+    spikes = late.run(events[:0], 0, start_us)
     for until_us in range(start_us + 10_000, start_us + 1_000_000, 10_000):
         inside = (events["t"] >= until_us - 10_000) & (events["t"] < until_us)
-        spikes += late.run(events[inside], until_us)
+        spikes += late.run(events[inside], until_us - 10_000, until_us)
     assert whole.sum() > 10
     np.testing.assert_array_equal(spikes, whole)
 
@@ -139,6 +139,6 @@ def test_memory_is_bounded_for_many_events_at_one_time() -> None:
     made = SpikingNetwork(SLOWEST_PX_S, width=WIDTH, height=HEIGHT)
     events = np.zeros(200_000, EVENT_DTYPE)
     events["t"], events["x"], events["y"] = 5_000, np.arange(200_000) % WIDTH, 3
-    made.run(events, 10_000)
-    made.run(events[:0], 20_000)
+    made.run(events, 0, 10_000)
+    made.run(events[:0], 10_000, 20_000)
     assert made._waiting.shape[1] <= WIDTH
