@@ -23,6 +23,7 @@ from detector.space_time_filters.bank import CELL_PX, DIRECTIONS, FilterBank, No
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events, concatenate_events
+from flybench.memory import count_memory
 
 __all__ = ["SpaceTimeFilters", "SpaceTimeFiltersConfig"]
 
@@ -31,6 +32,10 @@ F64 = npt.NDArray[np.float64]
 SPEEDS = 6
 """Number of preferred speeds, each twice the one before (assumed). A temporal filter is wider than
 an octave."""
+
+
+_BYTES_PER_PX = 600
+"""Memory per pixel of the sensor (at most 500 while they are made, measured at 346×260) [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,7 +125,10 @@ class SpaceTimeFilters(WindowedDetector):
                 f"The sensor has {width}×{height} px. Allowed are at least {CELL_PX} px per side, "
                 "a cell of the filters. Use a larger sensor."
             )
-        super().__init__(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, c.window_us, width=width, height=height)
+        count_memory(
+            self, f"Space-time filters on {width}×{height} px", _BYTES_PER_PX * width * height
+        )
         speeds_px_s = c.slowest_px_s * 2.0 ** np.arange(SPEEDS, dtype=np.float64)
         size = {"width": width, "height": height}
         self._bank = FilterBank(speeds_px_s, sigma=c.sigma, frequency=c.frequency, **size)

@@ -30,8 +30,13 @@ from detector.spiking_delays.synapses import (
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events
+from flybench.memory import count_memory
 
 __all__ = ["SpikingDelays", "SpikingDelaysConfig"]
+
+
+_BYTES_PER_PX = 1000
+"""Memory per pixel of the sensor (measured: 910) [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,7 +123,10 @@ class SpikingDelays(WindowedDetector):
             height: sensor rows [px].
         """
         self.config = c = config or SpikingDelaysConfig()
-        super().__init__(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, c.window_us, width=width, height=height)
+        count_memory(
+            self, f"A spiking network on {width}×{height} px", _BYTES_PER_PX * width * height
+        )
         longest_path_px = (SIDE_1 - 1) * math.sqrt(2.0)
         self.memory_us = c.window_us + math.ceil(longest_path_px / c.slowest_px_s * 1e6)
         self._network = SpikingNetwork(c.slowest_px_s, width=width, height=height)

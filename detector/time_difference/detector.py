@@ -30,8 +30,13 @@ from detector.time_difference.encoder import (
 from detector.windowed import WindowedDetector, check_whole_hops
 from flybench.checks import Range, check_ranges
 from flybench.events import Events
+from flybench.memory import count_memory
 
 __all__ = ["TimeDifference", "TimeDifferenceConfig"]
+
+
+_BYTES_PER_PX = 100
+"""Memory per pixel of the sensor (measured: 69) [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,7 +142,10 @@ class TimeDifference(WindowedDetector):
                 f"The sensor has {width}×{height} px and cell_px is {c.cell_px}. Allowed are cells "
                 "of which two fit into each side. Choose a smaller cell_px."
             )
-        super().__init__(c.hop_us, width=width, height=height)
+        super().__init__(c.hop_us, c.window_us, width=width, height=height)
+        count_memory(
+            self, f"Time difference encoders on {width}×{height} px", _BYTES_PER_PX * width * height
+        )
         self.memory_us = c.window_us + _TRACES * c.synapse_us
         neuron = make_neuron(
             synapse_us=c.synapse_us,
