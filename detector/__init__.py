@@ -1,8 +1,9 @@
 """Motion detectors: they take events (and frames) and return the direction of motion.
 
-`FlyDetector` is the fly of the paper. `FrameFly`, `ContrastMaximisation` and `PlaneFit` are the
-methods that it is compared with. All implement `Detector`: they take a stream in chunks of any size
-and return a list of `MotionEstimate`.
+`FlyDetector` is the fly of the paper. `FrameFly`, `ContrastMaximisation`, `PlaneFit`,
+`SpaceTimeFilters`, `SpikingDelays` and `TimeDifference` are the methods that it is compared with.
+All implement `Detector`: they take a stream in chunks of any size and return a list of
+`MotionEstimate`.
 """
 
 from detector.contrast_maximisation.detector import ContrastConfig, ContrastMaximisation
@@ -19,6 +20,9 @@ from detector.fly.detector import FlyDetector, FlyMaps
 from detector.frame_fly.config import FrameFlyConfig
 from detector.frame_fly.detector import FrameFly
 from detector.plane_fit.detector import PlaneFit, PlaneFitConfig
+from detector.space_time_filters.detector import SpaceTimeFilters, SpaceTimeFiltersConfig
+from detector.spiking_delays.detector import SpikingDelays, SpikingDelaysConfig
+from detector.time_difference.detector import TimeDifference, TimeDifferenceConfig
 from flybench.direction import Direction
 
 __all__ = [
@@ -39,5 +43,11 @@ __all__ = [
     "MotionEstimate",
     "PlaneFit",
     "PlaneFitConfig",
+    "SpaceTimeFilters",
+    "SpaceTimeFiltersConfig",
+    "SpikingDelays",
+    "SpikingDelaysConfig",
     "StateError",
+    "TimeDifference",
+    "TimeDifferenceConfig",
 ]

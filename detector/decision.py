@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
+
+F64 = npt.NDArray[np.float64]
 
 _BELOW_ONE = math.nextafter(1.0, 0.0)
 
@@ -78,3 +83,45 @@ def velocity_estimate(
         view_centre_px=image_centre_px,
         roi_px=None,
     )
+
+
+def population_estimate(
+    t_us: int,
+    *,
+    rightward: F64,
+    downward: F64,
+    total: float,
+    snr_floor: float,
+    image_centre_px: tuple[float, float],
+) -> MotionEstimate:
+    """Return the estimate of a detector that sums the responses of cells and has no attention.
+
+    Args:
+        t_us: end of the window [µs].
+        rightward: rightward minus leftward response of each cell; their sum becomes `response`.
+        downward: downward minus upward response of each cell.
+        total: sum of the responses of all cells in all directions.
+        snr_floor: least ratio of a sum to √Σd², the standard deviation that random signs would
+            give, that counts as motion.
+        image_centre_px: (x, y), reported as the view centre [px].
+    """
+    response = float(rightward.sum()), float(downward.sum())
+    hs, vs = (clip_to_open_interval(r / total) if total > 0.0 else 0.0 for r in response)
+    return MotionEstimate(
+        t_us=t_us,
+        hs=hs,
+        vs=vs,
+        direction=winner_take_all(
+            hs, vs, snr=(sum_to_noise(rightward), sum_to_noise(downward)), snr_floor=snr_floor
+        ),
+        strength=max(abs(hs), abs(vs)),
+        response=response,
+        view_centre_px=image_centre_px,
+        roi_px=None,
+    )
+
+
+def sum_to_noise(opponent: F64) -> float:
+    """Return |Σd| / √Σd² of the opponent responses d of cells; 0 if none responds."""
+    power = float(np.sum(opponent**2))
+    return abs(float(opponent.sum())) / math.sqrt(power) if power > 0.0 else 0.0

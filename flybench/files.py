@@ -8,7 +8,7 @@ import os
 import select
 import stat
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 TEXT_MAX_BYTES = 16_000_000
 """Largest configuration file (assumed: a thousand times the largest of the examples)."""
@@ -16,18 +16,26 @@ _WAIT_S = 10.0
 """Longest wait for the first byte of a pipe (assumed)."""
 
 
-def open_regular(path: Path) -> BinaryIO:
-    """Open a regular file for reading; opening a FIFO or a device could block for ever.
+def open_regular(path: Path, mode: str = "rb") -> BinaryIO:
+    """Open a regular file; opening a FIFO or a device could block for ever.
+
+    Args:
+        path: the file.
+        mode: mode of `open`, for bytes.
 
     Raises:
         OSError: the file cannot be opened, or is not a regular file.
     """
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    return cast(BinaryIO, open(path, mode, opener=_regular))
+
+
+def _regular(name: str, flags: int) -> int:
+    descriptor = os.open(name, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
     if stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.set_blocking(descriptor, True)
-        return os.fdopen(descriptor, "rb")
+        return descriptor
     os.close(descriptor)
-    raise OSError(errno.EINVAL, "it is not a regular file", str(path))
+    raise OSError(errno.EINVAL, "it is not a regular file", name)
 
 
 def open_lock(path: Path) -> BinaryIO:

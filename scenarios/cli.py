@@ -8,6 +8,7 @@ from tyro.conf import subcommand
 
 from flybench.version import __version__
 from scenarios.commands.characterise import Characterise
+from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
 from scenarios.commands.convert import Convert
 from scenarios.commands.demo import Demo
@@ -33,6 +34,7 @@ Commands = (
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Detect, subcommand("detect")]
     | Annotated[Validate, subcommand("validate")]
+    | Annotated[Compare, subcommand("compare")]
     | Annotated[Convert, subcommand("convert")]
     | Annotated[Emulate, subcommand("emulate")]
     | Annotated[Study, subcommand("study")]

@@ -175,10 +175,9 @@ class Crossing:
         """
         if self.cache is None:
             return
-        drawn_before = self.cache.rendered
         with closing(self._cached_luminance(self.times_us())) as frames:
             for frame in frames:
-                if self.cache.rendered == drawn_before or not self.cache.stores:
+                if not self.cache.stores:
                     return
                 yield frame.t_us
 
@@ -190,13 +189,16 @@ class Crossing:
             luminance_key(self.config, self.scene.model, self.intrinsics, times_us),
             (self.intrinsics.height, self.intrinsics.width),
             len(times_us),
-            lambda: self._rendered_luminance(times_us),
+            lambda start: self._rendered_luminance(times_us, start),
         )
 
-    def _rendered_luminance(self, times_us: Sequence[int]) -> LuminanceStream:
+    def _rendered_luminance(self, times_us: Sequence[int], start: int = 0) -> LuminanceStream:
+        """Render the samples from number `start` on; they do not depend on the start."""
         with self.keyframe_renderer(times_us) as render:
             previous = [image_rectangle(self.intrinsics)]
-            for t_us in times_us:
+            if start:
+                previous = render(times_us[start - 1]).rectangles
+            for t_us in times_us[start:]:
                 rendered = render(t_us)
                 changed = enclosing_rectangle(previous + rendered.rectangles)
                 yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)

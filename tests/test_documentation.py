@@ -11,6 +11,7 @@ ROOT = Path(__file__).parent.parent
 PAGES = (
     "docs/limits.md",
     "docs/real-recordings.md",
+    "docs/realism.md",
     "README.md",
     "sim/README.md",
     "emulator/README.md",

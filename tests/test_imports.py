@@ -35,7 +35,7 @@ LAYERS = {
     ),
     "detector": (
         "errors estimate event_checks windowed decision fly metrics frame_fly "
-        "contrast_maximisation plane_fit"
+        "contrast_maximisation plane_fit space_time_filters spiking_delays time_difference"
     ),
     "formats": (
         "errors bytes_read samples columns identify column_order time_unit event_order sensor_size "
@@ -44,7 +44,8 @@ LAYERS = {
     ),
     "scenarios": (
         "errors output pipeline options recording runs datasheet convergence "
-        "detect convert validate emulate envelope sweep velocity_sweep study commands cli"
+        "detect convert validate event_statistics compare emulate envelope sweep velocity_sweep "
+        "study commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

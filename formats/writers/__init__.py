@@ -47,17 +47,19 @@ def open_writer(
     width: int,
     height: int,
     format: str | None = None,  # noqa: A002  (the usual name of this parameter)
+    overwrite: bool = True,
 ) -> EventWriter:
     """Start to write a recording.
 
     The file appears, complete, when the `with` block ends without an error.
 
     Args:
-        path: path of the file; an existing file is replaced.
+        path: path of the file.
         width: sensor columns [px].
         height: sensor rows [px].
         format: name of the format, one of `WRITERS`; None: the one that `ENDINGS` has for the
             ending of the path.
+        overwrite: True to replace an existing file, False to refuse it.
 
     Raises:
         FormatError: there is no such format, or the file cannot be written.
@@ -72,7 +74,7 @@ def open_writer(
         )
     if name not in WRITERS:
         raise FormatError(f"The format is {name!r}. Allowed is one of {', '.join(WRITERS)}.")
-    return WRITERS[name](path, width=width, height=height)
+    return WRITERS[name](path, width=width, height=height, overwrite=overwrite)
 
 
 def write_events(

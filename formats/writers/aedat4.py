@@ -1,15 +1,18 @@
 """AEDAT 4: events, IMU samples and triggers are encoded by faery, frames by dv-processing.
 
 faery encodes events fast but cannot create frames. dv-processing creates frames but takes events
-one at a time. Frames therefore go to a second file. IMU samples and triggers go to a third, because
-the header of a file lists its streams. faery merges the files at the end.
+one at a time, and it ends the process if the disk is full. It therefore writes each frame to
+memory, from where faery copies it to a second file. IMU samples and triggers go to a third file,
+because the header of a file lists its streams. At the end faery merges the files.
 """
 
 from __future__ import annotations
 
 import heapq
+import os
+import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -42,8 +45,7 @@ class Aedat4Writer(EventWriter):
 
     def _open(self, work: Path) -> None:
         self._encoder: Any = None
-        self._frame_writer: Any = None
-        self._dv: Any = None
+        self._frame_encoder: Any = None
         self._sample_encoder: Any = None
         self._frames_path, self._samples_path, self._merged_path = (
             work.with_name(f"{work.stem}.{name}{work.suffix}")
@@ -68,20 +70,9 @@ class Aedat4Writer(EventWriter):
             self._encoder.write(0, to_faery(events[start : start + PACKET]))
 
     def _write_frame(self, frame: ApsFrame) -> None:
-        if self._frame_writer is None:
-            try:
-                import dv_processing
-            except ImportError as error:
-                raise MissingLibraryError("dv-processing", "AEDAT 4 with frames") from error
-            self._dv = dv_processing
-            config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
-            config.addFrameStream((self.width, self.height))
-            self._frame_writer = dv_processing.io.MonoCameraWriter(str(self._frames_path), config)
-        source = self._dv.FrameSource.SENSOR
-        exposure_us = frame.end_us - frame.start_us
-        self._frame_writer.writeFrame(
-            self._dv.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
-        )
+        if self._frame_encoder is None:
+            self._frame_encoder = self._begin(self._frames_path, ["frames"])
+        self._frame_encoder.write(0, _frame_packet(frame))
 
     def _write_samples(self, samples: npt.NDArray[Any]) -> None:
         if self._sample_encoder is None:
@@ -92,15 +83,16 @@ class Aedat4Writer(EventWriter):
             self._sample_encoder.write(1, to_faery_triggers(samples))
 
     def _finish(self) -> None:
-        self._close(self._encoder)
-        self._encoder = None
+        self._encoder, encoder = None, self._encoder
+        self._close(encoder)
         more = []
-        if self._frame_writer is not None:
-            self._frame_writer = None  # its destructor writes the last frames
+        if self._frame_encoder is not None:
+            self._frame_encoder, encoder = None, self._frame_encoder
+            self._close(encoder)
             more.append(self._frames_path)
         if self._sample_encoder is not None:
-            self._close(self._sample_encoder)
-            self._sample_encoder = None
+            self._sample_encoder, encoder = None, self._sample_encoder
+            self._close(encoder)
             more.append(self._samples_path)
         if more:
             self._merge([*more, self._work])
@@ -125,13 +117,10 @@ class Aedat4Writer(EventWriter):
                 self._close(encoder)
 
     def _abandon(self) -> None:
-        self._frame_writer = None
-        for encoder in (self._encoder, self._sample_encoder):
+        for encoder in (self._encoder, self._frame_encoder, self._sample_encoder):
             if encoder is not None:
                 with suppress(Exception):
                     self._close(encoder)
-        for path in (self._frames_path, self._samples_path, self._merged_path):
-            path.unlink(missing_ok=True)
 
     @staticmethod
     def _close(encoder: Any) -> None:
@@ -168,3 +157,38 @@ def _packets(decoder: Any) -> Iterator[tuple[int, str, Any]]:
         is_frame = track.data_type == "frame"
         end_us = packet.exposure_end_t if is_frame else packet["t"][-1]
         yield int(end_us), _PACKET_KINDS[track.data_type], packet
+
+
+def _frame_packet(frame: ApsFrame) -> Any:
+    """Return a frame as faery's decoder returns it, by way of a file in memory."""
+    try:
+        import dv_processing
+    except ImportError as error:
+        raise MissingLibraryError("dv-processing", "AEDAT 4 with frames") from error
+    from faery import aedat
+
+    height, width = frame.image.shape
+    config = dv_processing.io.MonoCameraWriter.Config(_SOURCE)
+    config.addFrameStream((width, height))
+    with _memory_file("frame.aedat4") as path:
+        writer = dv_processing.io.MonoCameraWriter(str(path), config)
+        source, exposure_us = dv_processing.FrameSource.SENSOR, frame.end_us - frame.start_us
+        writer.writeFrame(
+            dv_processing.Frame(frame.start_us, exposure_us, 0, 0, frame.image, source)
+        )
+        del writer  # its destructor writes the frame
+        with aedat.Decoder(path) as decoder:
+            return next(packet for track, packet in decoder if track.data_type == "frame")
+
+
+@contextmanager
+def _memory_file(name: str) -> Iterator[Path]:
+    """Yield the path of a file in memory; dv-processing wants its name to end in .aedat4."""
+    descriptor = os.memfd_create(name)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder) / name
+            link.symlink_to(f"/proc/self/fd/{descriptor}")
+            yield link
+    finally:
+        os.close(descriptor)

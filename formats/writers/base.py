@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
@@ -13,8 +12,10 @@ from typing import Any, ClassVar, Self
 import numpy.typing as npt
 
 from emulator import ApsFrame
+from flybench.disk_space import caused_by_full_disk, full_disk_message
 from flybench.errors import EventError
 from flybench.events import Events, check_events
+from flybench.unfinished import UnfinishedOutput, check_new_file
 from formats.columns import MAX_SIDE_PX
 from formats.errors import FormatError
 
@@ -37,16 +38,18 @@ class EventWriter(ABC):
     takes_samples: ClassVar[bool] = False
     max_side_px: ClassVar[int] = MAX_SIDE_PX
 
-    def __init__(self, path: Path, *, width: int, height: int) -> None:
+    def __init__(self, path: Path, *, width: int, height: int, overwrite: bool = True) -> None:
         """Create the temporary file.
 
         Args:
             path: path of the file.
             width: sensor columns [px].
             height: sensor rows [px].
+            overwrite: True to replace an existing file.
 
         Raises:
-            FormatError: the file cannot be written, or the format does not support the size.
+            FormatError: the file cannot be written, exists and may not be overwritten, or is being
+                written by another process; or the format does not support the size.
             MissingLibraryError: a library is missing; the message states how to install it.
         """
         if not (0 < width <= self.max_side_px and 0 < height <= self.max_side_px):
@@ -55,14 +58,17 @@ class EventWriter(ABC):
                 f"{self.max_side_px} px each way. Choose another format."
             )
         _check_place(path)
+        check_new_file(path, overwrite=overwrite, error=FormatError)
         self.path, self.width, self.height = path, width, height
-        self._work = path.with_name(f".{path.name}.{secrets.token_hex(4)}{path.suffix}")
-        self._last_us = 0
+        self._overwrite, self._last_us = overwrite, 0
+        self._output = UnfinishedOutput(path.absolute(), FormatError)
+        self._work = self._output.new / path.name
         try:
             self._open(self._work)
         except BaseException as error:
+            named = self._as_format_error(error)
             self._discard()
-            raise self._as_format_error(error) from error
+            raise named from error
 
     def __enter__(self) -> Self:
         return self
@@ -76,10 +82,11 @@ class EventWriter(ABC):
         if error is None:
             try:
                 self._finish()
-                self._work.replace(self.path)
+                self._output.publish_file(overwrite=self._overwrite)
             except BaseException as failure:
+                named = self._as_format_error(failure)
                 self._discard()
-                raise self._as_format_error(failure) from failure
+                raise named from failure
         self._discard()
 
     def write(self, events: Events) -> None:
@@ -183,16 +190,15 @@ class EventWriter(ABC):
     def _discard(self) -> None:
         with suppress(Exception):
             self._abandon()
-        with suppress(OSError):
-            self._work.unlink(missing_ok=True)
+        self._output.close()
 
     def _as_format_error(self, error: BaseException) -> BaseException:
         if isinstance(error, FormatError) or not isinstance(error, OSError | RuntimeError):
             return error
+        if caused_by_full_disk(error):
+            return FormatError(full_disk_message(self.path, self._work.parent))
         why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        return FormatError(
-            f"{self.path} cannot be written ({why}). Free space there, or choose another place."
-        )
+        return FormatError(f"{self.path} cannot be written ({why}). Choose another place.")
 
 
 def _check_place(path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from flybench.events import Events, concatenate_events
 from formats.errors import FormatError
 from formats.writers.base import EventWriter
+from formats.writers.lasting_file import LastingFile
 
 CHUNK = 1 << 16
 LATEST_US = 86_400_000_000
@@ -25,7 +26,8 @@ class DsecWriter(EventWriter):
     """Writes the data sets `events/{t,x,y,p}`, compressed with gzip, and the index `ms_to_idx`."""
 
     def _open(self, work: Path) -> None:
-        self._file = h5py.File(work, "w")
+        self._disk = LastingFile(work)
+        self._file = h5py.File(self._disk, "w")
         self._file.attrs["width"], self._file.attrs["height"] = self.width, self.height
         group = self._file.create_group("events")
         self._columns = {name: _column(group, name, dtype) for name, dtype in _DTYPES.items()}
@@ -41,7 +43,7 @@ class DsecWriter(EventWriter):
                 f"{LATEST_US} µs, because the index of DSEC has one entry per millisecond. "
                 "Subtract the time of the first event."
             )
-        self._buffer.append(events)
+        self._buffer.append(concatenate_events([events]))  # a copy: the caller may change it
         self._buffered += events.size
         if self._buffered >= CHUNK:
             self._flush()
@@ -50,10 +52,12 @@ class DsecWriter(EventWriter):
         self._flush()
         self._append(self._index, np.array([self._columns["t"].size]))
         self._file.close()
+        self._disk.check()
 
     def _abandon(self) -> None:
         with suppress(AttributeError):
             self._file.close()
+            self._disk.close()
 
     def _flush(self) -> None:
         if not self._buffer:
@@ -63,6 +67,7 @@ class DsecWriter(EventWriter):
         self._extend_index(events["t"])
         for name, column in self._columns.items():
             self._append(column, events[name])
+        self._disk.check()
 
     def _extend_index(self, t: npt.NDArray[np.int64]) -> None:
         """Append the number of events before each millisecond, up to that of the last event."""

@@ -8,7 +8,6 @@ absolute times and is not compressed (see `formats.readers.ros.packets`). The co
 
 from __future__ import annotations
 
-import shutil
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -57,9 +56,9 @@ class Rosbag2Writer(EventWriter):
 
     takes_frames: ClassVar[bool] = True
 
-    def __init__(self, path: Path, *, width: int, height: int) -> None:
+    def __init__(self, path: Path, *, width: int, height: int, overwrite: bool = True) -> None:
         self._check_new(path)
-        super().__init__(path, width=width, height=height)
+        super().__init__(path, width=width, height=height, overwrite=overwrite)
 
     def _check_new(self, path: Path) -> None:
         if path.exists():
@@ -75,11 +74,12 @@ class Rosbag2Writer(EventWriter):
             raise MissingLibraryError("rosbags", "writing a ROS 2 bag or MCAP") from error
         self._store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
         self._store.register(typesys.get_types_from_msg(_DEFINITION, _PACKET))
-        self._holder, self._packets, self._images = work, 0, None
-        work.mkdir()
+        self._holder = work.with_name(f"{work.name}.parts")
+        self._packets, self._images = 0, None
+        self._holder.mkdir()
         plugin, modes = rosbag2.StoragePlugin.MCAP, rosbag2.CompressionMode
         self._bag: Any = rosbag2.Writer(
-            work / self.path.stem, version=_VERSION, storage_plugin=plugin
+            self._holder / self.path.stem, version=_VERSION, storage_plugin=plugin
         )
         self._bag.set_compression(modes.STORAGE, rosbag2.CompressionFormat.ZSTD)
         self._bag.open()
@@ -131,20 +131,22 @@ class Rosbag2Writer(EventWriter):
         if not self._packets:  # an empty packet states the size of the sensor
             self._put_packet(empty_events(), first_us=0, last_us=0)
         self._bag.close()
-        self._work = self._holder / self.path.stem
+        self._made().replace(self._work)
+
+    def _made(self) -> Path:
+        """Return the folder that rosbags has written."""
+        return self._holder / self.path.stem
 
     def _abandon(self) -> None:
         with suppress(AttributeError):
             self._bag.abort()
-        shutil.rmtree(self._holder, ignore_errors=True)
 
 
 class McapWriter(Rosbag2Writer):
     """Writes the MCAP file of a ROS 2 bag, without a folder around it."""
 
     def _check_new(self, path: Path) -> None:
-        """An existing file is replaced, as by every other writer."""
+        """Leave the check of a file to the base class."""
 
-    def _finish(self) -> None:
-        super()._finish()
-        self._work = self._work / f"{self.path.stem}.mcap"
+    def _made(self) -> Path:
+        return super()._made() / f"{self.path.stem}.mcap"

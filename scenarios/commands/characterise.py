@@ -28,6 +28,8 @@ from scenarios.output.versions import versions
 LOGS = Path("logs")
 PAGE = "datasheet.html"
 NUMBERS = "datasheet.json"
+NEEDED_BYTES = 1_000_000
+"""Size of the output [bytes] (measured)."""
 _SEED = Range(0, 2**32 - 1)
 _WIDTH = 100
 """Width of the printed tables; a narrower terminal leaves the sources out."""
@@ -54,14 +56,14 @@ class Characterise:
         config, name = self.sensor.sensor(), self.sensor.name
         _SEED.check("--seed", self.seed, ScenarioError, default=0)
         folder = self.out or LOGS / f"datasheet_{name}_seed{self.seed}"
-        check_output_folder(folder)
+        check_output_folder(folder, needed_bytes=NEEDED_BYTES)
         start_s = time.perf_counter()
-        with progress_bar() as progress:
-            sheet = characterise(
-                config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
-            )
-        wall_s = time.perf_counter() - start_s
         with atomic_folder(folder) as work:
+            with progress_bar() as progress:
+                sheet = characterise(
+                    config, seed=self.seed, frames=self.sensor.frames, progress=progress.track(name)
+                )
+            wall_s = time.perf_counter() - start_s
             write_sheet(work, sheet, changes=self.sensor.changes(), wall_s=wall_s)
         print_sheet(sheet)
         say(f"{folder / PAGE}   all experiments took {wall_s:.1f} s")

@@ -21,6 +21,8 @@ from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.output.versions import versions
 from sim import CrossingConfig, Lighting, VehicleKind
 
+NEEDED_BYTES = 12_000
+"""Size of the output [bytes] (measured)."""
 TABLE = "convergence.csv"
 
 
@@ -53,19 +55,19 @@ class Converge:
                 f"--piece-px is {self.piece_px:g}. Allowed is a number from 1 to 64. The default "
                 "is 3, which takes some minutes."
             )
-        if self.out is not None:
-            check_output_folder(self.out)
-        rows = self._measure()
-        print_rows(rows)
-        if self.out is not None:
-            with atomic_folder(self.out) as work:
-                write_table(work / TABLE, ("lighting", *COLUMNS), rows)
-                parameters = asdict(self) | {"out": str(self.out)}
-                write_summary(
-                    work,
-                    {"command": "converge", "parameters": parameters, "versions": versions()},
-                )
-            say(f"wrote {self.out}")
+        if self.out is None:
+            print_rows(self._measure())
+            return 0
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
+        with atomic_folder(self.out) as work:
+            rows = self._measure()
+            print_rows(rows)
+            write_table(work / TABLE, ("lighting", *COLUMNS), rows)
+            parameters = asdict(self) | {"out": str(self.out)}
+            write_summary(
+                work, {"command": "converge", "parameters": parameters, "versions": versions()}
+            )
+        say(f"wrote {self.out}")
         return 0
 
     def _measure(self) -> list[tuple[Any, ...]]:

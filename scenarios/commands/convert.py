@@ -62,6 +62,8 @@ class Convert:
     ] = None
     salvage: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """If the file is damaged, write what comes before the damage, and print a warning."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace OUT if it is an existing file."""
     input: tyro.conf.OmitArgPrefixes[RecordingOptions] = field(default_factory=RecordingOptions)
 
     def execute(self) -> int:
@@ -74,7 +76,11 @@ class Convert:
             section = Section(from_us, to_us, self._crop_of(file))
             width, height = self._size_of(file, section)
             with open_writer(
-                self.out, width=width, height=height, format=self.out_format
+                self.out,
+                width=width,
+                height=height,
+                format=self.out_format,
+                overwrite=self.overwrite,
             ) as writer:
                 with progress_bar() as progress:
                     advance = progress.track(file.path.name)
@@ -118,14 +124,14 @@ class Convert:
         return section.crop.x1 - section.crop.x0, section.crop.y1 - section.crop.y0
 
     def _check_out(self, source: Path) -> None:
-        if self.out_format != "rosbag2":
-            check_output_file(self.out, "OUT")
         out = self.out.resolve()
         if out in (source.resolve(), self.file.resolve()) or source.resolve() in out.parents:
             raise ScenarioError(
                 f"OUT is {self.out}, which is the recording to read, or part of it. Choose another "
                 "name."
             )
+        if self.out_format != "rosbag2":
+            check_output_file(self.out, "OUT", overwrite=self.overwrite)
 
     def _check_result(self, file: EventFile, totals: Totals) -> None:
         check_not_empty(file)

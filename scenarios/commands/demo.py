@@ -15,7 +15,7 @@ from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import failures, record_run
+from scenarios.runs.sequence import estimated_bytes, failures, record_run
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,9 @@ class Demo:
             (self.out / "day", Run(lighting="day", method=self.method).config()),
             (self.out / "night", Run(lighting="night", method=self.method).config()),
         ]
+        needed_bytes = sum(estimated_bytes(config) for _, config in runs)
         for folder, config in runs:
-            check_output_folder(folder)
+            check_output_folder(folder, needed_bytes=needed_bytes)
             make_detector(config)
         with progress_bar() as progress:
             summaries = [

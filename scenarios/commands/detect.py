@@ -57,6 +57,8 @@ class Detect:
         Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
     ] = None
     """Also write a figure (.png) of the events, the responses and the event rate."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace existing files of --rrd and --plot."""
     scale_to_sensor: bool = False
     """Scale the detector's lengths in pixels by width / 346; 346 is the width of a DAVIS346."""
     time_scale: float = 1.0
@@ -106,7 +108,7 @@ class Detect:
                 raise
             check_not_empty(file)
             if self.plot:
-                png = stack.enter_context(atomic_file(self.plot))
+                png = stack.enter_context(atomic_file(self.plot, overwrite=self.overwrite))
                 size = file.width, file.height
                 write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
@@ -116,7 +118,7 @@ class Detect:
     ) -> Callable[[RecordingSlice], None]:
         """Return a function that logs slices; it opens the recorder at the first slice."""
         assert self.rrd is not None
-        work = stack.enter_context(atomic_file(self.rrd))
+        work = stack.enter_context(atomic_file(self.rrd, overwrite=self.overwrite))
         opened: list[FileRecorder] = []
 
         def log(part: RecordingSlice) -> None:
@@ -168,11 +170,11 @@ class Detect:
                 raise ScenarioError(
                     f"{option} is {path}. Allowed is a name that ends in {suffix}. Add the ending."
                 )
-            check_output_file(path, option)
             if path.absolute() == source.absolute():
                 raise ScenarioError(
                     f"{option} is {path}, which is the recording to read. Choose another name."
                 )
+            check_output_file(path, option, overwrite=self.overwrite)
 
     def _print_outputs(self) -> None:
         console = SafeConsole(stderr=True) if self.json else SafeConsole()

@@ -114,9 +114,12 @@ class Emulate:
     interpolate: bool = False
     """Interpolate frames by optical flow so that nothing moves more than half a pixel at once."""
 
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --out."""
+
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
-        check_output_file(self.out, "--out")
+        check_output_file(self.out, "--out", overwrite=self.overwrite)
         options = TimeOptions(self.fps, self.times, self.time_unit)
         pictures = open_pictures(self.input, options)
         if pictures.times.t_us.size < 2:
@@ -126,7 +129,9 @@ class Emulate:
             )
         motion, totals = MotionStatistics(), EmulationTotals()
         config = preset(self.sensor)
-        with open_writer(self.out, width=config.width, height=config.height) as writer:
+        with open_writer(
+            self.out, width=config.width, height=config.height, overwrite=self.overwrite
+        ) as writer:
             self._emulate(pictures, motion, writer, totals)
         self._warn(pictures, motion, totals, takes_frames=writer.takes_frames)
         self._print(pictures, motion, totals)

@@ -21,6 +21,8 @@ from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.user_detectors import find_method
 
 SEEDS, SEEDS_IN_FULL = 2, 10
+NEEDED_BYTES = 300_000
+"""Size of the output for one method [bytes] (measured)."""
 Factor = Literal["contrast", "direction", "length_px", "surface", "background"]
 
 
@@ -74,12 +76,12 @@ class Envelope:
         grid = self.grid()
         for name in self.methods:
             _check_method(name)
-        check_output_folder(self.out)
-        with progress_bar() as progress:
-            advance = progress.track(f"envelope of {', '.join(self.methods)}")
-            points = grid.points()
-            rows, failed = measure_all(points, self.methods, jobs=self.jobs, progress=advance)
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES * len(self.methods))
         with atomic_folder(self.out) as work:
+            with progress_bar() as progress:
+                advance = progress.track(f"envelope of {', '.join(self.methods)}")
+                points = grid.points()
+                rows, failed = measure_all(points, self.methods, jobs=self.jobs, progress=advance)
             arguments = asdict(replace(self, method=self.methods))
             write_envelope(work, rows, grid, arguments, failed)
         print_envelope(rows, grid)

@@ -23,7 +23,7 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, failures, record_run
+from scenarios.runs.sequence import EventsFormat, estimated_bytes, failures, record_run
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DEFAULT_DISTANCE_M, DEFAULT_ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
@@ -157,7 +157,7 @@ class Run:
         config, cache = self.config(), self.cache.open()
         others = "".join(f"_{method.replace(':', '.')}" for method in self.also)
         folder = self.out or LOGS / f"{config.name}{others and '_also'}{others}"
-        check_output_folder(folder)
+        check_output_folder(folder, needed_bytes=estimated_bytes(config))
         make_detector(config)
         for method in (self.method, *self.also):
             check_frames(self.sensor, method)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
 from flybench.checks import Range
+from flybench.unfinished import FINISHED
 from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
@@ -21,9 +22,11 @@ from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
+from scenarios.runs.sequence import estimated_bytes
 from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
 from scenarios.study.figures.all_figures import draw_figures
+from scenarios.study.finished import finished_sequences, link_or_copy
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.report.page import write_report
 from scenarios.study.report.terminal import print_study
@@ -38,6 +41,8 @@ from sim.config import PAPER_OMEGA_RAD_S
 METHODS = tuple(entry.name for entry in DETECTORS.values() if entry.in_study)
 SEEDS, MOST_SEEDS = 5, 100
 TABLE, REPORT, RECORDINGS, FIGURES = "results.csv", "report.html", "recordings", "figures"
+REPORT_BYTES = 4_000_000
+"""Room for the report, the figures and the table [bytes] (assumed)."""
 _SPEED_OVER_S = 600.0
 """Time over which the progress bar averages the speed: rendering is much slower than reading from
 the cache, so a short average would give a wrong remaining time [s]."""
@@ -104,12 +109,13 @@ class Study:
         start_s = time.perf_counter()
         tasks = self.tasks()
         self.cache.open()
-        check_output_folder(self.out)
-        with atomic_folder(self.out) as work:
+        check_output_folder(self.out, needed_bytes=self._estimated_bytes(tasks))
+        with atomic_folder(self.out) as work, finished_sequences(work.parent / FINISHED) as done:
+            if self.recordings:
+                tasks = [done.recorded(task) for task in tasks]
             with progress_bar(_SPEED_OVER_S) as progress:
                 advance = progress.track("study")
-                tasks = self._recorded(tasks, work)
-                sequences = run_sequences(tasks, jobs=self.jobs, progress=advance)
+                sequences = run_sequences(tasks, jobs=self.jobs, finished=done, progress=advance)
             sequences, failed = without_failed(sequences)
             if len(failed) == len(self.methods):
                 raise MethodError(next(iter(failed.values())))
@@ -147,12 +153,10 @@ class Study:
             for omega in self.omegas or PAPER_OMEGA_RAD_S[Lighting(lighting)]
         ]
 
-    def _recorded(self, tasks: Sequence[SequenceTask], work: Path) -> list[SequenceTask]:
+    def _estimated_bytes(self, tasks: Sequence[SequenceTask]) -> int:
         if not self.recordings:
-            return list(tasks)
-        folder = work / RECORDINGS
-        folder.mkdir()
-        return [replace(task, recording=folder / f"{task.name}.rrd") for task in tasks]
+            return REPORT_BYTES
+        return REPORT_BYTES + sum(estimated_bytes(task.config()) for task in tasks)
 
     def _write(
         self,
@@ -164,6 +168,11 @@ class Study:
         failed: Mapping[str, str],
         start_s: float,
     ) -> None:
+        if self.recordings:
+            (work / RECORDINGS).mkdir()
+        for task in tasks:
+            if task.recording is not None:
+                link_or_copy(task.recording, work / RECORDINGS / f"{task.name}.rrd")
         write_table(work / TABLE, COLUMNS, (tuple(row.values()) for row in rows))
         (work / FIGURES).mkdir()
         figures = draw_figures(work / FIGURES, sequences)

@@ -28,6 +28,8 @@ from scenarios.validate.stimulus import check_recording, read_stimuli
 from scenarios.validate.turns import TURNS, Turn
 
 TABLE, PAGE = "results.csv", "report.html"
+NEEDED_BYTES = 10_000_000
+"""Room for the page with its images and the table [bytes] (assumed)."""
 
 
 @dataclass(frozen=True)
@@ -72,21 +74,25 @@ class Validate:
         for name in methods:
             find_method(name)
         manifest = read_manifest(self.manifest or PACKAGED).select(self.recording)
-        check_output_folder(self.out)
-        with progress_bar() as bars, _naming(manifest.path):
-            files = [find_file(manifest, r, self.folder, bars.track) for r in manifest.recordings]
-            for recording, path in zip(manifest.recordings, files, strict=True):
-                check_recording(recording, path)
-            results = [
-                result
-                for recording, path in zip(manifest.recordings, files, strict=True)
-                for result in _results(recording, path, methods, bars)
-            ]
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
         with atomic_folder(self.out) as work:
+            results = self._measure(manifest, methods)
             self._write(work, manifest, methods, results)
         print_results(SafeConsole(), results)
         say(f"wrote {self.out / PAGE}")
         return 0
+
+    def _measure(self, manifest: Manifest, methods: tuple[str, ...]) -> list[WindowResult]:
+        """Find and check the files, then run every method on every window."""
+        with progress_bar() as bars, _naming(manifest.path):
+            files = [find_file(manifest, r, self.folder, bars.track) for r in manifest.recordings]
+            for recording, path in zip(manifest.recordings, files, strict=True):
+                check_recording(recording, path)
+            return [
+                result
+                for recording, path in zip(manifest.recordings, files, strict=True)
+                for result in _results(recording, path, methods, bars)
+            ]
 
     def _write(
         self,

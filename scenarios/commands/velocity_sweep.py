@@ -28,10 +28,12 @@ from scenarios.pipeline.running import make_detector
 from scenarios.velocity_sweep.grms import draw_grms, spearman_by_seed
 from scenarios.velocity_sweep.rows import Row, measure_velocity
 from scenarios.velocity_sweep.table import print_rows
-from sim import CrossingConfig, Lighting
+from sim import CrossingConfig, Lighting, LuminanceCache
 from sim.config import PAPER_OMEGA_RAD_S
 
 MAX_SEEDS = 100
+NEEDED_BYTES = 60_000
+"""Size of the output [bytes] (measured)."""
 TABLE = "velocities.csv"
 
 
@@ -66,11 +68,25 @@ class VelocitySweep:
     def execute(self) -> int:
         """Measure all velocities, print the table, and write the folder if `--out` is given."""
         configs, cache = list(self._configs()), self.cache.open()
+        make_detector(configs[0])
+        if self.out is None:
+            rows, failed = self._measure(configs, cache)
+            print_rows(rows)
+            return report_failures(failed)
+        check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
+        with atomic_folder(self.out) as work:
+            rows, failed = self._measure(configs, cache)
+            print_rows(rows)
+            self._write(work, rows, failed)
+        say(f"wrote {self.out}")
+        return report_failures(failed)
+
+    def _measure(
+        self, configs: list[RunConfig], cache: LuminanceCache | None
+    ) -> tuple[list[Row], list[str]]:
+        """Return the rows of all velocities, and why the detector failed at some of them."""
         rows: list[Row] = []
         failed: list[str] = []
-        make_detector(configs[0])
-        if self.out is not None:
-            check_output_folder(self.out)
         with progress_bar() as progress:
             for config in configs:
                 try:
@@ -79,12 +95,7 @@ class VelocitySweep:
                     failed.append(f"{error} (sequence {config.name})")
         if not rows:
             raise MethodError(failed[0])
-        print_rows(rows)
-        if self.out is not None:
-            with atomic_folder(self.out) as work:
-                self._write(work, rows, failed)
-            say(f"wrote {self.out}")
-        return report_failures(failed)
+        return rows, failed
 
     def _configs(self) -> Iterator[RunConfig]:
         if not 1 <= self.seeds <= MAX_SEEDS:

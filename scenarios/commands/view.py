@@ -11,6 +11,7 @@ import tyro
 
 from flybench.checks import Range
 from scenarios.errors import ScenarioError
+from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import RECORDING
 from scenarios.output.streams import say
 from scenarios.output.terminal import has_display, run_cli
@@ -60,6 +61,8 @@ class View:
             help_behavior_hint="(default: no picture)",
         ),
     ] = None
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --screenshot."""
     at_s: Annotated[
         float | None,
         tyro.conf.arg(metavar="SECONDS", help_behavior_hint="(default: middle of the crossing)"),
@@ -75,7 +78,9 @@ class View:
             )
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
-            screenshot(recordings[0], self.screenshot, at_s=self.at_s)
+            check_output_file(self.screenshot, "--screenshot", overwrite=self.overwrite)
+            with atomic_file(self.screenshot, overwrite=self.overwrite) as png:
+                screenshot(recordings[0], png, at_s=self.at_s)
             say(f"wrote {self.screenshot}, a picture of {recordings[0]}")
             return 0
         if not self.web and not has_display():

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from flybench.unfinished import UnfinishedOutput, check_new_file
 from scenarios.errors import OutputError
 
 
-def check_output_file(path: Path, option: str) -> None:
+def check_output_file(path: Path, option: str, *, overwrite: bool) -> None:
     """Check that a file can be written, before any work is done.
 
     Args:
         path: path of the file.
         option: command-line option that the path comes from, such as "--plot".
+        overwrite: True to replace an existing file.
 
     Raises:
-        OutputError: the path is a folder, or its folder does not exist or is write-protected.
+        OutputError: the path is a folder, its folder does not exist or is write-protected, or the
+            file exists and may not be overwritten.
     """
     if path.is_dir():
         raise OutputError(f"{option} {path} is a folder. Give the name of a file in it.")
@@ -34,24 +36,23 @@ def check_output_file(path: Path, option: str) -> None:
             f"{option} {path} cannot be written: the folder {folder} is write-protected. Choose "
             "another place."
         )
+    check_new_file(path, overwrite=overwrite, error=OutputError)
 
 
 @contextmanager
-def atomic_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path to write to; it replaces `path` if the block raises no error.
+def atomic_file(path: Path, *, overwrite: bool) -> Iterator[Path]:
+    """Yield a temporary path to write to; it becomes `path` if the block raises no error.
 
     The temporary file has the name of `path`, in a temporary folder beside it.
 
+    Args:
+        path: path of the file.
+        overwrite: True to replace an existing file.
+
     Raises:
-        OutputError: the file cannot be written.
+        OutputError: the file cannot be written, another process is writing it, its disk is full, or
+            it was created meanwhile and may not be overwritten.
     """
-    try:
-        holder = tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=path.absolute().parent)
-    except OSError as error:
-        raise OutputError(
-            f"{path} cannot be written ({error.strerror}). Choose another place."
-        ) from error
-    with holder as folder:
-        work = Path(folder) / path.name
-        yield work
-        work.replace(path)
+    with UnfinishedOutput(path.absolute(), OutputError) as output:
+        yield output.new / path.name
+        output.publish_file(overwrite=overwrite)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import field, make_dataclass
@@ -13,6 +14,7 @@ from typing import Annotated, Any, Protocol
 import tyro
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
 from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
 from flybench.printable import printable
@@ -166,6 +168,19 @@ def execute(command: Command) -> int:
     except BrokenPipeError:  # the reader of our output has closed it
         discard_output()
         return 1
+    except OSError as error:
+        if not caused_by_full_disk(error):
+            raise
+        try:
+            own_output().flush()
+        except OSError:  # it is the standard output that has no room
+            discard_output()
+        where = f" of {error.filename}" if error.filename else ""
+        complain(
+            f"The disk{where} is full ({error.strerror}). It is that of the output, of "
+            f"{tempfile.gettempdir()} or of the standard output. Free some space there."
+        )
+        return 2
 
 
 def report_failures(reasons: Iterable[str]) -> int:

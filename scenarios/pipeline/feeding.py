@@ -15,6 +15,7 @@ from emulator import ApsFrame
 from flybench.events import Events
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.estimate_checks import EstimateChecks
+from scenarios.pipeline.read_only import read_only_copy, wrote_to_read_only
 
 
 class DetectorFeed:
@@ -50,7 +51,7 @@ class DetectorFeed:
         """Pass the next events and frames to the detector, then advance its time.
 
         Args:
-            events: next events of the stream.
+            events: next events of the stream; the detector gets a read-only copy.
             until_us: time up to which all events have been passed [µs].
             frames: next APS frames of the sensor; only a `FrameDetector` receives them.
 
@@ -78,11 +79,12 @@ class DetectorFeed:
     def _answers(
         self, events: Events, until_us: int, frames: Sequence[ApsFrame]
     ) -> Iterator[MotionEstimate]:
-        taken = 0
+        events, taken = read_only_copy(events), 0
         for frame in frames if self._takes_frames else ():
             cut = int(np.searchsorted(events["t"], frame.end_us))
             yield from self._push(events[taken:cut])
-            yield from self._call("push_frame", frame.end_us, frame.end_us, frame.image)
+            image = read_only_copy(frame.image)
+            yield from self._call("push_frame", frame.end_us, frame.end_us, image)
             taken = cut
         yield from self._push(events[taken:])
         yield from self._call("advance", until_us, until_us)
@@ -105,6 +107,12 @@ class DetectorFeed:
         except (Exception, SystemExit) as error:
             if is_interrupt(error):
                 raise
+            if wrote_to_read_only(error):
+                raise MethodError(
+                    f"{self.method}: {name} writes into an array that it was given: "
+                    f"{describe(error)}. Allowed is only reading. Copy first, for example with "
+                    "events = events.copy()."
+                ) from error
             raise MethodError(
                 f"{self.method}: {name} raised an error after {self._now_us} µs of "
                 f"the stream: {describe(error)}. Correct the detector."

@@ -20,19 +20,27 @@ from detector import (
     FrameFlyConfig,
     PlaneFit,
     PlaneFitConfig,
+    SpaceTimeFilters,
+    SpaceTimeFiltersConfig,
+    SpikingDelays,
+    SpikingDelaysConfig,
+    TimeDifference,
+    TimeDifferenceConfig,
 )
 
 FLY, WIDE = "fly", "wide"
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
+SPACE_TIME, SPIKING, TIME_DIFFERENCE = "space-time-filters", "spiking-delays", "time-difference"
 COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
 
 
 class Family(StrEnum):
-    """Kinds of detectors that the study compares; each has one panel in the paper's figures."""
+    """Kinds of detectors; each but the last has one panel in the figures of the study."""
 
     EVENT_FLY = "event-driven fly"
     FRAME_FLY = "frame-based fly"
     VELOCITY = "velocity estimation"
+    VISION_MODEL = "other model of motion vision"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,8 +154,39 @@ _ENTRIES = (
         marker="v",
         gives_velocity=True,
     ),
+    DetectorEntry(
+        name=SPACE_TIME,
+        factory=SpaceTimeFilters,
+        config=SpaceTimeFiltersConfig(),
+        family=Family.VISION_MODEL,
+        label="space-time filters",
+        colour="#882255",
+        marker="<",
+        in_study=False,
+    ),
+    DetectorEntry(
+        name=SPIKING,
+        factory=SpikingDelays,
+        config=SpikingDelaysConfig(),
+        family=Family.VISION_MODEL,
+        label="spiking delays",
+        colour="#332288",
+        marker=">",
+        gives_velocity=True,
+        in_study=False,
+    ),
+    DetectorEntry(
+        name=TIME_DIFFERENCE,
+        factory=TimeDifference,
+        config=TimeDifferenceConfig(),
+        family=Family.VISION_MODEL,
+        label="time difference encoder",
+        colour="#999933",
+        marker="X",
+        in_study=False,
+    ),
 )
-"""All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008)."""
+"""All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008; Tol, 2021)."""
 
 DETECTORS: dict[str, DetectorEntry] = {entry.name: entry for entry in _ENTRIES}
 """All built-in detectors by name; the paper's detector is first."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -117,15 +117,21 @@ def add_truth(track: TargetTrack, truth: GroundTruth) -> None:
 
 
 def run_steps(
-    config: RunConfig, crossing: Crossing, feed: DetectorFeed, watch: Stopwatch
+    config: RunConfig,
+    crossing: Crossing,
+    feed: DetectorFeed,
+    watch: Stopwatch,
+    record: Callable[[Sample, SensorOutput], None] = lambda _sample, _output: None,
 ) -> Iterator[Step]:
-    """Render, emulate and detect, sample by sample.
+    """Render, emulate, record and detect, sample by sample.
 
     Args:
         config: configuration of the run.
         crossing: scene of the run.
         feed: fresh detector; if it fails, the steps after that have no estimates.
-        watch: stopwatch that takes the time of the stages "render", "emulate" and "detect".
+        watch: stopwatch that takes the time of the stages "render", "emulate", "record" and
+            "detect".
+        record: function that writes the output of the sensor, before the detector sees it.
 
     Yields:
         One step per sample, in order of time.
@@ -139,6 +145,8 @@ def run_steps(
             return
         with watch.stage("emulate"):
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
+        with watch.stage("record"):
+            record(sample, output)
         with watch.stage("detect"):
             estimates = feed.feed(output.events, until_us=sample.t_us + 1, frames=output.aps_frames)
         yield Step(sample, output, estimates)

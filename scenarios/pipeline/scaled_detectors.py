@@ -23,7 +23,7 @@ _MAX_SCALE = 1000.0
 """Greatest factor by which times may be scaled up or down (assumed)."""
 
 _IMAGE_LENGTHS_PX = ("cell_px", "roi_radius_px")
-_SPEEDS_PX_S = ("limit_px_s",)
+_SPEEDS_PX_S = ("limit_px_s", "slowest_px_s")
 _HOP = "hop_us"
 """Name of the parameter of which other times are multiples."""
 

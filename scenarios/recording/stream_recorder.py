@@ -21,6 +21,7 @@ from scenarios.pipeline.registry import gives_velocity
 from scenarios.recording import entities as at
 from scenarios.recording.column_buffer import ColumnBuffer, time_column
 from scenarios.recording.event_batches import BATCH_US, EventBatches, EventBuffer
+from scenarios.recording.piped_file import PipedFile
 from scenarios.recording.static_content import log_parameters, log_static
 
 APPLICATION = "flybench"
@@ -72,11 +73,12 @@ class StreamRecorder:
         self._columns = ColumnBuffer()
         self._scaled: set[str] = set()
         self._brightest: dict[str, float] = {}
-        path.touch()
+        self._file = PipedFile(path)
         self._stream = rr.RecordingStream(APPLICATION)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
-        self._stream.save(path, default_blueprint=view)
+        self._stream.save(self._file.entry, default_blueprint=view)
+        self._file.opened()
         self._stream.send_recording_name(name)
         log_parameters(self._stream, parameters)
 
@@ -91,6 +93,9 @@ class StreamRecorder:
 
         Args:
             end_us: time until which the event rate is shown, if no event is later [µs].
+
+        Raises:
+            OSError: the file could not be written.
         """
         self._send_events(self._events.flush())
         self._log_no_events(end_us + BATCH_US)
@@ -100,6 +105,7 @@ class StreamRecorder:
             log_static(self._stream, path, scale)
         self._stream.flush()
         self._stream.disconnect()
+        self._file.close()
 
     def log_events(self, events: Events, causes: npt.NDArray[np.uint8] | None = None) -> None:
         """Add the next events of the stream.
@@ -107,7 +113,11 @@ class StreamRecorder:
         Args:
             events: (n,) of `EVENT_DTYPE`, sorted by t, none earlier than those logged before.
             causes: (n,) `Cause` of each event; None: all are signal.
+
+        Raises:
+            OSError: the file cannot be written.
         """
+        self._file.check()
         self._send_events(self._events.push(events, causes))
 
     def log_aps(self, frame: ApsFrame) -> None:

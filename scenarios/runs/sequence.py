@@ -40,12 +40,19 @@ from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.summary import EventTally, method_scores, summarise
 from scenarios.recording import SequenceRecorder
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
-from sim import Crossing, LuminanceCache
+from sim import Crossing, LuminanceCache, Sample
 
 Progress = Callable[[int, int], None]
 """Called with the time reached and the duration of the sequence [µs]."""
+BYTES_RAD_S = 45e6
+"""Size of a run's folder times its angular velocity (measured at 1.61 rad/s by day: 28 MB)."""
 EventsFormat = Literal["aedat4", "evt3", "text", "csv", "npz"]
 """Formats of further event files, besides DSEC's HDF5; see `formats.WRITERS`."""
+
+
+def estimated_bytes(config: RunConfig) -> int:
+    """Return the size of a run's folder [bytes]; a slower vehicle is in view for longer."""
+    return round(BYTES_RAD_S / config.crossing.omega_rad_s)
 
 
 def record_run(
@@ -109,10 +116,12 @@ def _run_into(
             feeds = [feed, *(other.feed for other in extra)]
             recorder = stack.enter_context(_recorder(work, config, crossing, feeds))
             files = _open_event_files(stack, work, config, events_formats)
-        for step in run_steps(config, crossing, feed, watch):
-            with watch.stage("record"):
-                _write_events(files, step.output)
-                recorder.log(step.sample, step.output)
+
+        def record(sample: Sample, output: SensorOutput) -> None:
+            _write_events(files, output)
+            recorder.log(sample, output)
+
+        for step in run_steps(config, crossing, feed, watch, record):
             _log_estimates(recorder, feed, step.estimates, watch)
             for other in extra:
                 with watch.stage("detect"):

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from scenarios.pipeline.parallel import run_locally
+from scenarios.study.finished import FinishedSequences
 from scenarios.study.one_sequence import SequenceTask, evaluate_crossing
 from scenarios.study.results import SequenceResult
 from scenarios.study.shared_progress import SharedProgress
@@ -29,13 +30,17 @@ def run_sequences(
     tasks: Sequence[SequenceTask],
     *,
     jobs: int,
+    finished: FinishedSequences | None = None,
     progress: Progress = lambda _done, _all: None,
 ) -> list[SequenceResult]:
-    """Run every task in processes of one thread each; those at night first, as they take longest.
+    """Run every task that is not finished, in processes of one thread each.
+
+    Those at night come first, as they take longest.
 
     Args:
         tasks: sequences to run.
         jobs: number of processes; −1: one for each core.
+        finished: results of tasks that are finished; new ones are added. None: none are kept.
         progress: called with the progress of all tasks together.
 
     Returns:
@@ -46,8 +51,10 @@ def run_sequences(
         ScenarioError: the number of processes is out of range, or a process ended early.
         RendererError: this machine cannot render.
     """
-    order = sorted(range(len(tasks)), key=lambda n: tasks[n].crossing.lighting is Lighting.DAY)
-    results: dict[int, SequenceResult] = {}
+    found = {n: finished.load(task) for n, task in enumerate(tasks)} if finished else {}
+    results = {n: result for n, result in found.items() if result is not None}
+    missing = [n for n in range(len(tasks)) if n not in results]
+    order = sorted(missing, key=lambda n: tasks[n].crossing.lighting is Lighting.DAY)
     with tempfile.TemporaryDirectory() as scratch:
         shared = SharedProgress.create(Path(scratch) / "progress", len(tasks))
         is_alone = jobs == 1 or len(tasks) == 1
@@ -56,6 +63,8 @@ def run_sequences(
             warnings.filterwarnings("ignore", message=_REPLACED)
             for at, result in run_locally(_run, numbered, jobs=jobs):
                 results[order[at]] = result
+                if finished is not None:
+                    finished.store(tasks[order[at]], result)
     return [results[n] for n in range(len(tasks))]
 
 

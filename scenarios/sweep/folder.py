@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from flybench.files import open_regular
+from flybench.unfinished import lock_file
 from scenarios.errors import OutputError
 from scenarios.output.atomic_folder import SUMMARY, check_output_folder
 
 LOCK, JOURNAL, COPY = "flybench-sweep.lock", "points.jsonl", "sweep.toml"
 CSV, PARQUET = "results.csv", "results.parquet"
 RESULTS = (SUMMARY, CSV, PARQUET)
+NEEDED_BYTES = 1_000_000
+"""Room for a thousand points, which take 1 kB each [bytes] (measured)."""
 FILES = frozenset({LOCK, JOURNAL, COPY, *RESULTS})
 
 
@@ -23,14 +26,15 @@ def check_folder(folder: Path) -> None:
     Raises:
         OutputError: the folder exists and holds anything but a sweep, or cannot be created.
     """
-    check_output_folder(folder, _is_sweep_folder)
+    check_output_folder(folder, needed_bytes=NEEDED_BYTES, other_files=_other_files)
 
 
-def _is_sweep_folder(folder: Path) -> bool:
+def _other_files(folder: Path) -> list[str]:
     if not folder.is_dir():
-        return False
+        return [folder.name]
     names = {path.name for path in folder.iterdir()}
-    return not names or (LOCK in names and names <= FILES | {_part(name) for name in FILES})
+    own = FILES | {_part(name) for name in FILES} if LOCK in names else frozenset()
+    return sorted(names - own)
 
 
 @contextmanager
@@ -43,20 +47,18 @@ def sweep_folder(folder: Path) -> Iterator[Path]:
     check_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = (folder / LOCK).open("wb")
+        lock = lock_file(folder / LOCK)
+    except BlockingIOError:
+        raise OutputError(
+            f"Another process is running the sweep in {folder}. Allowed is one process at a "
+            "time. Wait for it to end, or choose another folder with --out."
+        ) from None
     except OSError as error:
         raise OutputError(
             f"The output folder {folder} cannot be created ({error.strerror}). Choose another "
             "folder with --out."
         ) from error
     with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise OutputError(
-                f"Another process is running the sweep in {folder}. Allowed is one process at a "
-                "time. Wait for it to end, or choose another folder with --out."
-            ) from None
         yield folder
 
 
@@ -78,7 +80,7 @@ def durable_file(path: Path) -> Iterator[Path]:
     part = path.with_name(_part(path.name))
     try:
         yield part
-        with part.open("rb") as file:
+        with open_regular(part) as file:
             os.fsync(file.fileno())
         part.replace(path)
     except OSError as error:

@@ -6,9 +6,11 @@ import hashlib
 import json
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from flybench.files import open_regular
 from scenarios.errors import OutputError
 from scenarios.sweep.measure import Results
 
@@ -33,7 +35,7 @@ class Journal:
         """
         self._path = path
         try:
-            self._file = path.open("a+b")
+            self._file = open_regular(path, "a+b")
             self._truncate_incomplete_line()
             self.done = self.read(path)
             _sync_folder(path.parent)
@@ -44,7 +46,8 @@ class Journal:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._file.close()
+        with suppress(OSError):  # if the disk is full, `add` has said so
+            self._file.close()
 
     @staticmethod
     def read(path: Path) -> dict[str, Results]:

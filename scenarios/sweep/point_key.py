@@ -27,12 +27,12 @@ def point_key(config: RunConfig) -> str:
     It covers the file of a user's detector class, but not what that file imports.
     """
     inputs = {"parameters": config.parameters(), "code": code_digest()}
-    inputs["method"] = _method_digest(config.method)
+    inputs["method"] = method_digest(config.method)
     return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
 
 @cache
-def _method_digest(method: str) -> str:
+def method_digest(method: str) -> str:
     """Return a digest of the file of a user's detector; empty for a built-in one."""
     module, colon, _ = method.partition(":")
     if not colon:

@@ -60,4 +60,5 @@ def write_parquet(path: Path, table: Sequence[Row]) -> None:
     for name, column in columns.items():
         if pa.types.is_null(column.type):
             columns[name] = column.cast(pa.float64())
-    pq.write_table(pa.table(columns), path)
+    with path.open("wb") as file:  # Arrow's own files do not say that the disk is full
+        pq.write_table(pa.table(columns), file)

@@ -2,10 +2,10 @@
 
 An entry is written under a temporary name while it is rendered, and renamed when it is complete.
 Its writer holds a lock on it, which is released when the writer ends. A partial entry without a
-lock was therefore abandoned. A reader keeps the file open, so that others may delete or replace it
-meanwhile. A damaged entry is deleted and the rest of the sequence is rendered. No failure of the
-cache ends a
-run: the run then goes on without the cache.
+lock was therefore abandoned, and the next writer of the same entry continues it. A reader keeps the
+file open, so that others may delete or replace it meanwhile. Of a damaged entry, the samples before
+the damage are kept, and the rest is rendered. No failure of the cache ends a run: the run then goes
+on without the cache.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class LuminanceCache:
 
     Attributes:
         folder: folder of the entries; created when the first one is written.
-        limit_bytes: maximum total size of the complete entries.
+        limit_bytes: maximum total size of the entries that are not being written.
         read: number of samples read so far.
         rendered: number of samples rendered so far.
-        stores: True if the samples rendered last were also stored.
+        stores: True if the sequence read last is incomplete in the cache and is being stored.
     """
 
     def __init__(
@@ -82,7 +82,11 @@ class LuminanceCache:
         self._warn, self._warned, self._writes = warn, False, True
 
     def samples(
-        self, key: str, shape: tuple[int, int], count: int, render: Callable[[], LuminanceStream]
+        self,
+        key: str,
+        shape: tuple[int, int],
+        count: int,
+        render: Callable[[int], LuminanceStream],
     ) -> LuminanceStream:
         """Read a sequence's luminance, or render and store it.
 
@@ -90,22 +94,19 @@ class LuminanceCache:
             key: 64 hexadecimal digits, a digest of everything that determines the luminance.
             shape: height and width of the image.
             count: number of samples.
-            render: renders all samples.
+            render: renders the samples from that of a given number on.
 
         Yields:
             Samples; those read equal those rendered, bit for bit.
         """
-        known = 0
+        known, self.stores = 0, False
         for sample in self._read(key, shape, count):
             known += 1
             self.read += 1
             yield sample
-        if known == count:
-            return
-        with closing(render()) as rendered, closing(self._store(key, count, rendered)) as samples:
-            for sample in islice(samples, known, None):
-                self.rendered += 1
-                yield sample
+        if known < count:
+            with closing(self._store(key, shape, count, render, known)) as samples:
+                yield from islice(samples, known, None)
 
     def get_or_make(self, key: str, make: Callable[[], bytes]) -> bytes:
         """Read data that accompany a sequence, such as its previews, or make and store them.
@@ -121,7 +122,7 @@ class LuminanceCache:
             os.utime(path)
             return blob
         blob = make()
-        part = self._begin(key)
+        part = self._begin(key, adopt=False)
         if part is not None:
             self._append(part, lambda: part.writer.write_blob(blob), last=True)
         return blob
@@ -134,34 +135,62 @@ class LuminanceCache:
                 with suppress(OSError):
                     os.utime(file.fileno())
                 yield from read_luminance(file, key, shape, count)
-        except DamagedError:
+        except DamagedError:  # the samples before the damage are the start of a new entry
             with suppress(OSError):
-                path.unlink()
+                path.replace(self.folder / f"{key}.damaged.part")
         except OSError:
             return
 
-    def _store(self, key: str, count: int, rendered: LuminanceStream) -> LuminanceStream:
-        """Pass samples on and write them. The last one completes the entry."""
-        part = self._begin(key)
+    def _store(
+        self,
+        key: str,
+        shape: tuple[int, int],
+        count: int,
+        render: Callable[[int], LuminanceStream],
+        known: int,
+    ) -> LuminanceStream:
+        """Continue a partial entry, or begin one. The last sample completes it.
+
+        The first `known` samples do not count as read, because they were read before.
+        """
+        part, number = self._begin(key, adopt=True), 0
         try:
-            for number, sample in enumerate(rendered, start=1):
+            try:
+                # Leave at least the last sample to be rendered, which completes the entry.
+                for sample in part.samples(shape, count - 1) if part else ():
+                    number += 1
+                    self.read += number > known
+                    self.stores = True
+                    yield sample
+            except OSError as error:
+                self._stop(error)
                 if part is not None:
-                    write = partial(part.writer.write, sample)
-                    part = self._append(part, write, last=number == count)
-                self.stores = part is not None or (self.stores and number == count)
-                yield sample
+                    part.discard()
+                part = None
+            with closing(render(number)) as rendered:
+                for sample in rendered:
+                    number += 1
+                    self.rendered += 1
+                    if part is not None:
+                        write = partial(part.writer.write, sample)
+                        part = self._append(part, write, last=number == count)
+                    self.stores = part is not None or (self.stores and number == count)
+                    yield sample
         finally:
             if part is not None:
-                part.discard()
+                part.leave()
 
-    def _begin(self, key: str) -> PartialFile | None:
+    def _begin(self, key: str, *, adopt: bool) -> PartialFile | None:
         if not self._writes:
             return None
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with self._locked():
-                self._remove_abandoned()
-                return PartialFile(self.folder, key)
+                abandoned = self._abandoned(key)
+                adopted = abandoned.pop() if adopt and abandoned else None
+                for part in abandoned:
+                    part.discard()
+                return adopted or PartialFile.create(self.folder, key)
         except OSError as error:
             self._stop(error)
             return None
@@ -217,17 +246,24 @@ class LuminanceCache:
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield
 
-    def _remove_abandoned(self) -> None:
-        """Delete the partial entries whose writer has ended."""
+    def _abandoned(self, key: str) -> list[PartialFile]:
+        """Return the partial files of an entry whose writers have ended, the largest last."""
+        found = []
         for path in self._files(_PARTIAL_NAME):
-            with suppress(OSError), open_regular(path) as file:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                path.unlink()
+            if path.name.startswith(key):
+                with suppress(OSError):
+                    found.append((path.stat().st_size, path))
+        parts = []
+        for _, path in sorted(found):
+            with suppress(OSError):
+                parts.append(PartialFile.adopt(path, key))
+        return parts
 
     def _make_room(self, size: int) -> None:
         """Delete the entries used longest ago until another of `size` bytes fits."""
         entries = []
-        for path in self._files(_ENTRY_NAME):
+        partial_files = [path for path in self._files(_PARTIAL_NAME) if not _is_locked(path)]
+        for path in self._files(_ENTRY_NAME) + partial_files:
             with suppress(FileNotFoundError):
                 found = path.stat()
                 entries.append((found.st_mtime_ns, found.st_size, path))
@@ -237,3 +273,13 @@ class LuminanceCache:
                 return
             path.unlink(missing_ok=True)
             spare += taken
+
+
+def _is_locked(path: Path) -> bool:
+    """Return True if the writer of a partial entry lives."""
+    try:
+        with open_regular(path) as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    return False

@@ -22,6 +22,7 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
+from flybench.files import open_regular
 from sim.cache.packing import add_change, pack_change, tags_shape
 from sim.geometry.rectangles import Rectangle
 
@@ -92,6 +93,16 @@ class LuminanceWriter:
         self._file.write(record)
         self.written += len(record)
 
+    def continue_from(self, codes: U32, checksum: int, size: int) -> None:
+        """Continue a file after a record that was read from it.
+
+        Args:
+            codes: (2, height, width) codes of the record's sample.
+            checksum: checksum of the record.
+            size: number of bytes up to the end of the record.
+        """
+        self._before, self._checksum, self.written = codes.copy(), checksum, size
+
     def write_blob(self, blob: bytes) -> None:
         """Write data other than luminance, as the only content of the file.
 
@@ -105,26 +116,73 @@ class LuminanceWriter:
 class PartialFile:
     """Cache file being written, under a temporary name and locked as long as its writer lives."""
 
-    def __init__(self, folder: Path, key: str) -> None:
-        """Create the file.
+    def __init__(self, path: Path, key: str, file: BinaryIO) -> None:
+        """Lock the file.
 
         Args:
-            folder: folder of the cache.
+            path: path of the file.
             key: key of the entry.
+            file: the file, open for reading and writing, at its start.
+
+        Raises:
+            BlockingIOError: its writer lives.
+            FileNotFoundError: its writer has just completed or deleted it.
+        """
+        self.key, self._path, self._file = key, path, file
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not os.path.samestat(os.fstat(file.fileno()), path.stat()):
+            raise FileNotFoundError(path)
+        self.writer = LuminanceWriter(file, key)
+
+    @classmethod
+    def create(cls, folder: Path, key: str) -> PartialFile:
+        """Create a file in the folder of the cache.
 
         Raises:
             OSError: the file cannot be created.
         """
         descriptor, name = tempfile.mkstemp(dir=folder, prefix=f"{key}.", suffix=".part")
-        self.key, self._path, self._file = key, Path(name), os.fdopen(descriptor, "wb")
-        fcntl.flock(self._file, fcntl.LOCK_EX)
-        self.writer = LuminanceWriter(self._file, key)
+        return cls(Path(name), key, os.fdopen(descriptor, "w+b"))
+
+    @classmethod
+    def adopt(cls, path: Path, key: str) -> PartialFile:
+        """Take over the file of a writer that has ended.
+
+        Raises:
+            OSError: its writer lives or has just completed or deleted it, or it cannot be opened.
+        """
+        file = open_regular(path, "r+b")
+        try:
+            return cls(path, key, file)
+        except OSError:
+            file.close()
+            raise
+
+    def samples(self, shape: tuple[int, int], count: int) -> Iterator[LuminanceSample]:
+        """Yield the undamaged samples in the file, and drop what follows them.
+
+        Raises:
+            OSError: the file cannot be read or written.
+        """
+        with suppress(DamagedError):
+            yield from read_luminance(self._file, self.key, shape, count, self.writer)
+        self._file.seek(self.writer.written)
+        self._file.truncate()
 
     def complete(self, path: Path) -> None:
         """Close the file and give it its final name."""
         self._file.flush()
         self._path.replace(path)
         self._file.close()
+
+    def leave(self) -> None:
+        """Close the file, so that another writer can adopt it; delete it if it is empty."""
+        with suppress(OSError):
+            self._file.flush()
+            if os.fstat(self._file.fileno()).st_size:
+                self._file.close()
+        if not self._file.closed:
+            self.discard()
 
     def discard(self) -> None:
         """Delete the file."""
@@ -152,7 +210,11 @@ def read_blob(content: bytes, key: str) -> bytes:
 
 
 def read_luminance(
-    file: BinaryIO, key: str, shape: tuple[int, int], count: int
+    file: BinaryIO,
+    key: str,
+    shape: tuple[int, int],
+    count: int,
+    writer: LuminanceWriter | None = None,
 ) -> Iterator[LuminanceSample]:
     """Read a file that `LuminanceWriter` wrote.
 
@@ -161,6 +223,7 @@ def read_luminance(
         key: key of the sequence.
         shape: height and width of the image.
         count: number of samples that the file must hold.
+        writer: writer that is to continue the file after the last sample that was read.
 
     Yields:
         Samples; each owns its arrays.
@@ -185,6 +248,8 @@ def read_luminance(
         if _CHECKSUM.unpack_from(head, _HEAD.size)[0] != checksum:
             raise DamagedError
         _add(codes, memoryview(body), deflated, tuple(rectangle))
+        if writer is not None:
+            writer.continue_from(codes, checksum, file.tell())
         luminance, bodies = codes.copy()
         yield LuminanceSample(
             t_us, luminance.view(np.float32), bodies.view(np.int32), tuple(rectangle)

@@ -22,6 +22,9 @@ from detector.estimate import Detector
 from detector.fly.detector import FlyDetector
 from detector.frame_fly.detector import FrameFly, FrameFlyConfig
 from detector.plane_fit.detector import PlaneFit
+from detector.space_time_filters.detector import SpaceTimeFilters
+from detector.spiking_delays.detector import SpikingDelays
+from detector.time_difference.detector import TimeDifference
 from flybench.direction import Direction
 from tests.detector.moving_dots import WINDOW_US, dots
 from tests.detector.test_operating_range import passing
@@ -76,7 +79,17 @@ def test_eventcv(benchmark: BenchmarkFixture, speed_px_s: float) -> None:
 
 
 @pytest.mark.benchmark(group="a crossing with an estimate every 10 ms [CPU]", timer=process_time)
-@pytest.mark.parametrize("make", [FlyDetector, ContrastMaximisation, PlaneFit])
+@pytest.mark.parametrize(
+    "make",
+    [
+        FlyDetector,
+        ContrastMaximisation,
+        PlaneFit,
+        SpaceTimeFilters,
+        SpikingDelays,
+        TimeDifference,
+    ],
+)
 def test_detectors(benchmark: BenchmarkFixture, make: type[Detector]) -> None:
     """The event-based detectors on one stream: 500 px/s, noise of 1 Hz per pixel."""
     events, until_us = passing(500, Direction.RIGHT, noise_hz=1.0)

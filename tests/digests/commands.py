@@ -6,6 +6,7 @@ import csv
 import json
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
 from functools import partial
 from io import StringIO
 from pathlib import Path
@@ -204,7 +205,8 @@ def emulated() -> Any:
         np.save(pictures, np.array(levels, np.uint8))
         found = []
         for between in (False, True):
-            Emulate(pictures, out, fps=100.0, seed=3, interpolate=between).execute()
+            command = Emulate(pictures, out, fps=100.0, seed=3, interpolate=between)
+            replace(command, overwrite=True).execute()
             found.append(read_events(out))
         return found
 

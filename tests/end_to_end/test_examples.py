@@ -9,6 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
+from emulator import ApsFrame
+from emulator.pixel.optics import lux_per_cd_m2
+from flybench.events import EVENT_DTYPE
+from formats import open_writer
+
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
 
@@ -66,3 +71,24 @@ def test_the_comparison_notices_one_moved_event(capsys: pytest.CaptureFixture[st
     inverted = events.copy()
     inverted["p"] = ~events["p"]
     assert not np.array_equal(peers.tonic_pictures(inverted, size)[0], ours[0])
+
+
+def test_the_frames_of_a_recording_become_luminance_without_their_noise(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    with open_writer(tmp_path / "real.aedat4", width=32, height=24) as writer:
+        writer.write(np.array([(k * 1000, 1, 1, k % 2) for k in range(90)], EVENT_DTYPE))
+        for k in range(4):
+            image = rng.normal(400, 2.0, (24, 32))
+            image[:, 8 * k] = 800  # moves
+            times = 20_000 * k, 20_000 * k + 10_000
+            writer.write_frame(ApsFrame(*times, image.astype(np.uint16)))
+    printed = run_example("own_frames.py", "real.aedat4", "frames", folder=tmp_path)
+    assert "4 frames" in printed
+    luminance = np.load(tmp_path / "frames.npy")
+    assert luminance.shape == (4, 24, 32)
+    assert np.ptp(luminance[:, :, 1:8], axis=0).max() == 0.0
+    moved = luminance[1, :, 8].mean()
+    assert moved / luminance[0, :, 8].mean() == pytest.approx(2.0, rel=0.02)
+    lux_s = moved * lux_per_cd_m2(f_number=1.4, transmission=0.9) * 10e-3
+    assert lux_s * 2.0e5 == pytest.approx(800 * 37_000 / 680, rel=1e-3)
+    assert (tmp_path / "frames.txt").read_text() == "5000\n25000\n45000\n65000\n"

@@ -242,7 +242,7 @@ def test_a_write_protected_folder_and_a_full_disk_are_reported(
     with pytest.raises(FormatError, match="write-protected"):
         open_writer(tmp_path / "a.txt", width=W, height=H)
     monkeypatch.undo()
-    with pytest.raises(FormatError, match="No space left"):
+    with pytest.raises(FormatError, match="is full"):
         write_to_a_full_disk(tmp_path / "a.npz")
     assert list(tmp_path.iterdir()) == []
 
@@ -251,3 +251,13 @@ def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(__import__("sys").modules, "faery", None)
     with pytest.raises(MissingLibraryError, match=r"faery.*pip install"):
         open_writer(tmp_path / "a.aedat4", width=W, height=H)
+
+
+@pytest.mark.parametrize("ending", ALL)
+def test_the_caller_may_reuse_its_array_after_writing(tmp_path: Path, ending: str) -> None:
+    events = random_events(100)
+    expected, path = events.copy(), tmp_path / f"a{ending}"
+    with open_writer(path, width=W, height=H) as writer:
+        writer.write(events)
+        events["t"] = 0
+    assert np.array_equal(read_events(path), expected)

@@ -12,15 +12,21 @@ KEY = "a" * 64
 OTHER_KEY = "b" * 64
 
 
-def samples(count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE) -> LuminanceStream:
-    """Yield samples that each change a rectangle of the one before; the third changes nothing."""
+def samples(
+    start: int = 0, count: int = 4, seed: int = 0, shape: tuple[int, int] = SHAPE
+) -> LuminanceStream:
+    """Yield samples from number `start` on.
+
+    Each changes a rectangle of the one before; the third changes nothing.
+    """
     rng = np.random.default_rng(seed)
     height, width = shape
     luminance = rng.lognormal(3, 2, shape).astype(np.float32)
     body = rng.integers(-1, 9, shape, np.int32)
     rectangle = 0, 0, width, height
     for number in range(count):
-        yield LuminanceSample(1000 * number, luminance.copy(), body.copy(), rectangle)
+        if number >= start:
+            yield LuminanceSample(1000 * number, luminance.copy(), body.copy(), rectangle)
         x0, y0 = int(rng.integers(width - 1)), int(rng.integers(height - 1))
         rectangle = (x0, y0, width, height) if number != 1 else (0, 0, 0, 0)
         x0, y0, x1, y1 = rectangle

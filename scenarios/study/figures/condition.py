@@ -34,6 +34,7 @@ from scenarios.study.results import SequenceResult
 
 Draw = Callable[[Axes, SequenceResult], None]
 
+_PANELS = (Family.EVENT_FLY, Family.FRAME_FLY, Family.VELOCITY)
 _COLUMN_IN = 1.72
 _ROW_IN = 1.2
 _IMAGE_ROW_IN = 1.34
@@ -92,7 +93,7 @@ def _rows(sequences: Sequence[SequenceResult]) -> list[_Row]:
         ),
         _Row("", "saliency", draw_saliency, [region_handle()], _IMAGE_ROW_IN),
     ]
-    fly, frame_fly, velocity = (_first_of_family(family, sequences) for family in Family)
+    fly, frame_fly, velocity = (_first_of_family(family, sequences) for family in _PANELS)
     for letter, method in (("", fly), ("B", frame_fly)):
         if method is not None:
             draw, style = partial(draw_response, method=method), method_style(method)

@@ -1,6 +1,7 @@
 """`flybench convert`."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from formats import ENDINGS, open_events, read_events
 from scenarios.commands.convert import Convert
 from scenarios.commands.detect import Detect
 from scenarios.options.recording import RecordingOptions
+from scenarios.output.terminal import execute
 from tests.formats.sample_files import (
     FILE_MAKERS,
     SIZE,
@@ -113,7 +115,7 @@ def test_late_events_are_sorted_or_dropped_and_counted(
     assert np.array_equal(read_events(out), late[np.argsort(late["t"], kind="stable")])
     assert "1 late events" in capsys.readouterr().out
     options = RecordingOptions("346x260", drop_unsorted=True)
-    assert Convert(source, out, input=options).execute() == 0
+    assert Convert(source, out, input=options, overwrite=True).execute() == 0
     assert np.array_equal(read_events(out), np.delete(late, 1500))
     assert "1 events out of order" in capsys.readouterr().out
 
@@ -199,3 +201,17 @@ def test_detect_takes_the_same_input_options(
     assert (found["size_source"], found["last_us"]) == ("the option", int(events["t"][-1]) * 1000)
     assert Convert(source, tmp_path / "b.npz", input=options).execute() == 0
     assert np.array_equal(read_events(tmp_path / "b.npz")["t"], events["t"] * 1000)
+
+
+def test_a_file_of_the_user_is_replaced_only_with_overwrite(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, mine = make_file(tmp_path, "a.csv", E), tmp_path / "mine.mcap"
+    mine.write_text("mine")
+    command = Convert(source, mine)
+    assert execute(command) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert mine.read_text() == "mine"
+    assert execute(replace(command, overwrite=True)) == 0
+    assert mine.is_file()
+    assert np.array_equal(read_events(mine), E)

@@ -78,10 +78,18 @@ def test_a_picture_shows_the_chosen_recording(
     monkeypatch: pytest.MonkeyPatch, study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shown: list[Path] = []
-    monkeypatch.setattr(view, "screenshot", lambda path, *_, **__: shown.append(path))
+
+    def screenshot(path: Path, png: Path, **_: object) -> None:
+        shown.append(path)
+        png.write_text("picture")
+
+    monkeypatch.setattr(view, "screenshot", screenshot)
     png = study / "a.png"
     assert view.View(study, screenshot=png).execute() == 0
-    assert view.View(study, recording="day_2.42", screenshot=png).execute() == 0
+    with pytest.raises(ScenarioError, match=r"a\.png exists already\. Allowed is a new file"):
+        view.View(study, screenshot=png).execute()
+    again = view.View(study, recording="day_2.42", screenshot=png, overwrite=True)
+    assert again.execute() == 0
     assert [path.stem for path in shown] == ["day_1.21", "day_2.42"]
     assert "day_2.42.rrd" in capsys.readouterr().out
 

@@ -3,6 +3,8 @@
 import json
 import re
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -211,3 +213,44 @@ def test_an_output_may_not_overwrite_the_recording(
     assert execute(Detect(file, rrd=file)) == 2
     assert "which is the recording to read" in capsys.readouterr().err
     assert file.read_bytes() == recording.read_bytes()
+
+
+def test_a_file_of_the_user_is_replaced_only_with_overwrite(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, suffix in (("plot", ".png"), ("rrd", ".rrd")):
+        mine = tmp_path / f"mine{suffix}"
+        mine.write_text("mine")
+        changes: Any = {name: mine}
+        command = replace(Detect(recording), **changes)
+        assert execute(command) == 2
+        assert "exists already. Allowed is a new file." in capsys.readouterr().err
+        assert mine.read_text() == "mine"
+        assert execute(replace(command, overwrite=True)) == 0
+        assert mine.read_bytes() != b"mine"
+
+
+WITH_LITTLE_ROOM = """
+import resource, signal, sys
+from pathlib import Path
+from scenarios.commands.detect import Detect
+from scenarios.output.terminal import execute
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+output = Path(sys.argv[2])
+sys.exit(execute(Detect(Path(sys.argv[1]), **{sys.argv[3]: output})))
+"""
+
+
+@pytest.mark.parametrize(("option", "name"), [("rrd", "a.rrd"), ("plot", "a.png")])
+def test_a_full_disk_is_one_sentence(
+    recording: Path, tmp_path: Path, option: str, name: str
+) -> None:
+    path = tmp_path / name
+    command = [sys.executable, "-c", WITH_LITTLE_ROOM, str(recording), str(path), option]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"flybench: The disk of {path} is full. Free some space, or choose another place.\n"
+    )
+    assert list(tmp_path.iterdir()) == []

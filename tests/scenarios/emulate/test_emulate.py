@@ -209,6 +209,19 @@ def test_an_array_of_luminance_is_accepted(tmp_path: Path) -> None:
     assert emulate(tmp_path / "luminance.npy", tmp_path / "a.npz").size > 1000
 
 
+def test_a_file_of_the_user_is_replaced_only_with_overwrite(
+    array: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.csv"
+    mine.write_text("mine")
+    command = Emulate(array, mine, fps=1000.0)
+    assert execute(command) == 2
+    assert "exists already. Allowed is a new file." in capsys.readouterr().err
+    assert mine.read_text() == "mine"
+    assert execute(replace(command, overwrite=True)) == 0
+    assert read_events(mine).size > 0
+
+
 def test_motion_in_bright_luminance_is_noticed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

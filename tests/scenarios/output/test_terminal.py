@@ -1,5 +1,6 @@
 """Exit status and errors of commands."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -102,6 +103,27 @@ def test_an_interrupted_command_removes_its_temporary_files(
         assert process.stderr.read() == b"flybench: interrupted\n"
         assert process.wait() == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_elsewhere_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    class Full:
+        def execute(self) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device", "/somewhere/a.txt")
+
+    assert execute(Full()) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("flybench: The disk of /somewhere/a.txt is full (No space left")
+    assert message.count("\n") == 1
+
+
+def test_a_full_standard_output_is_one_sentence() -> None:
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", PRINTS_MUCH], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith(b"flybench: The disk is full (No space left on device).")
+    assert done.stderr.count(b"\n") == 1
 
 
 def test_text_is_printed_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,6 +25,27 @@ class Breaking(Good):
     def __init__(self, *, width, height):
         raise ZeroDivisionError("no room")
 
+class InPlace(Good):
+    def push(self, events):
+        events["t"] -= 5
+        return []
+
+class InPlaceByForce(Good):
+    def push(self, events):
+        events.setflags(write=True)
+        return []
+
+class InPlaceFrame(Good):
+    def push_frame(self, t_us, image):
+        image[:] = 0
+        return []
+
+class InPlaceThroughOpenCv(Good):
+    def push_frame(self, t_us, image):
+        import cv2
+        cv2.rectangle(image, (0, 0), (1, 1), 255)
+        return []
+
 class NoList(Good):
     def advance(self, t_us):
         return None

@@ -49,6 +49,26 @@ def test_a_frame_is_passed_between_the_events_before_and_after_it() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("InPlace", "push"),
+        ("InPlaceByForce", "push"),
+        ("InPlaceFrame", "push_frame"),
+        ("InPlaceThroughOpenCv", "push_frame"),
+    ],
+)
+def test_a_detector_that_writes_in_place_is_named(name: str, call: str) -> None:
+    feed = feed_of(name)
+    events, image = events_at(10, 19), np.full((2, 2), 7, np.uint16)
+    feed.feed(events, until_us=50, frames=[ApsFrame(0, 20, image)])
+    text = failure(feed)
+    assert f"{name}: {call} writes into an array that it was given" in text
+    assert "Copy first" in text
+    assert events["t"].tolist() == [10, 19]
+    assert (image == 7).all()
+
+
+@pytest.mark.parametrize(
     ("name", "words"),
     [
         ("NoList", "some_detectors:NoList: advance returned NoneType. Allowed is a list"),

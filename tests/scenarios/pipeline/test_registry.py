@@ -8,6 +8,9 @@ from detector.fly.config import FlyConfig
 from detector.fly.detector import FlyDetector
 from detector.frame_fly.detector import FrameFly
 from detector.plane_fit.detector import PlaneFit
+from detector.space_time_filters.detector import SpaceTimeFilters
+from detector.spiking_delays.detector import SpikingDelays
+from detector.time_difference.detector import TimeDifference
 from scenarios.pipeline.registry import DETECTORS
 
 
@@ -25,6 +28,9 @@ def test_the_fly_has_a_name_for_each_preset(name: str, preset: str) -> None:
         ("frame-fly-coarse", FrameFly),
         ("contrast-maximisation", ContrastMaximisation),
         ("plane-fit", PlaneFit),
+        ("space-time-filters", SpaceTimeFilters),
+        ("spiking-delays", SpikingDelays),
+        ("time-difference", TimeDifference),
     ],
 )
 def test_every_baseline_has_a_name(name: str, kind: type) -> None:

@@ -5,7 +5,15 @@ from detector.errors import DetectorConfigError
 from emulator import ApsFrame, SensorOutput
 from flybench.events import EVENT_DTYPE
 from scenarios.errors import MethodError
-from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY, PLANE_FIT
+from scenarios.pipeline.registry import (
+    CONTRAST,
+    FLY,
+    FRAME_FLY,
+    PLANE_FIT,
+    SPACE_TIME,
+    SPIKING,
+    TIME_DIFFERENCE,
+)
 from scenarios.study.timed_detector import join_outputs, make_timed_detector, warm_up
 
 SIZE = {"width": 60, "height": 48}
@@ -23,7 +31,9 @@ def test_sensor_outputs_are_joined_in_order() -> None:
     assert join_outputs([])[0].dtype == EVENT_DTYPE
 
 
-@pytest.mark.parametrize("method", [FLY, FRAME_FLY, CONTRAST, PLANE_FIT])
+@pytest.mark.parametrize(
+    "method", [FLY, FRAME_FLY, CONTRAST, PLANE_FIT, SPACE_TIME, SPIKING, TIME_DIFFERENCE]
+)
 def test_a_warm_up_gives_estimates_and_counts_time_and_events(method: str) -> None:
     detector = make_timed_detector(method, 0, **SIZE)
     warm_up(detector, **SIZE)

@@ -1,6 +1,8 @@
 """The journal of finished points."""
 
 import os
+import resource
+import signal
 from pathlib import Path
 
 import pytest
@@ -50,3 +52,25 @@ def test_a_point_is_written_once(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"cannot be written .*choose another folder with --out"):
         Journal(tmp_path)
+
+
+def test_a_full_disk_keeps_the_points_before(tmp_path: Path) -> None:
+    path = tmp_path / "points.jsonl"
+    with Journal(path) as journal:
+        journal.add([("a", {"value": 1})])
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + 10, hard))
+
+    def add() -> None:
+        with Journal(path) as journal:
+            journal.add([("b", {"value": 2})])
+
+    try:
+        with pytest.raises(OutputError, match=r"points\.jsonl cannot be written \(File too large"):
+            add()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        signal.signal(signal.SIGXFSZ, before)
+    with Journal(path) as journal:
+        assert journal.done == {"a": {"value": 1}}

@@ -25,8 +25,8 @@ def test_an_edited_user_detector_has_another_key(
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "edited_detector.py").write_text("class Mine: ...")
     run = RunConfig(method="edited_detector:Mine")
-    module._method_digest.cache_clear()
+    module.method_digest.cache_clear()
     before = point_key(run)
     (tmp_path / "edited_detector.py").write_text("class Mine: pass")
-    module._method_digest.cache_clear()
+    module.method_digest.cache_clear()
     assert point_key(run) != before

@@ -34,7 +34,7 @@ def cache(folder: Path, **options: Any) -> LuminanceCache:
     return LuminanceCache(folder, **({"warn": fail_on_warning} | options))
 
 
-def must_not_render() -> LuminanceStream:
+def must_not_render(_start: int) -> LuminanceStream:
     raise AssertionError("rendered")
     yield
 
@@ -63,7 +63,9 @@ def test_a_sequence_is_rendered_once(tmp_path: Path) -> None:
 
 def test_another_key_is_another_sequence(tmp_path: Path) -> None:
     fill(tmp_path)
-    rendered = cache(tmp_path).samples(OTHER_KEY, SHAPE, COUNT, lambda: samples(seed=1))
+    rendered = cache(tmp_path).samples(
+        OTHER_KEY, SHAPE, COUNT, lambda start: samples(start, seed=1)
+    )
     assert equal(rendered, samples(seed=1))
     for key, seed in ((KEY, 0), (OTHER_KEY, 1)):
         stored = cache(tmp_path).samples(key, SHAPE, COUNT, must_not_render)
@@ -76,28 +78,67 @@ def test_an_entry_is_stored_once_the_last_sample_is_taken(tmp_path: Path) -> Non
     assert names(tmp_path) == {entry(tmp_path).name}
 
 
-def test_an_incomplete_sequence_is_not_stored(tmp_path: Path) -> None:
+def parts(folder: Path) -> list[str]:
+    return [name.rpartition(".")[2] for name in names(folder)]
+
+
+@pytest.mark.parametrize("taken", range(COUNT))
+def test_a_sequence_is_continued_where_its_reader_stopped(tmp_path: Path, taken: int) -> None:
     stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, samples)
-    next(stream)
-    assert [name.rpartition(".")[2] for name in names(tmp_path)] == ["part"]
+    assert equal(islice(stream, taken), islice(samples(), taken))
     stream.close()
-    assert names(tmp_path) == set()
+    assert parts(tmp_path) == ["part"] * (taken > 0)
+    filled = fill(tmp_path)
+    assert (filled.read, filled.rendered) == (taken, COUNT - taken)
+    assert parts(tmp_path) == ["light"]
+    assert equal(cache(tmp_path).samples(KEY, SHAPE, COUNT, must_not_render), samples())
 
 
-def test_an_error_while_rendering_is_passed_on_and_leaves_no_file(tmp_path: Path) -> None:
-    def render() -> LuminanceStream:
+def test_a_reader_that_stops_at_once_loses_nothing(tmp_path: Path) -> None:
+    for taken in (3, 1, 0, 2):
+        stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, samples)
+        list(islice(stream, taken))
+        stream.close()
+    filled = fill(tmp_path)
+    assert (filled.read, filled.rendered) == (3, COUNT - 3)
+
+
+def test_an_error_while_rendering_is_passed_on_and_loses_nothing(tmp_path: Path) -> None:
+    def render(_start: int) -> LuminanceStream:
         yield from islice(samples(), 2)
         raise RendererError("the Vulkan device is lost")
 
     with pytest.raises(RendererError, match="lost"):
         list(cache(tmp_path).samples(KEY, SHAPE, COUNT, render))
-    assert names(tmp_path) == set()
+    filled = fill(tmp_path)
+    assert (filled.read, filled.rendered) == (2, COUNT - 2)
+
+
+def test_a_partial_entry_truncated_anywhere_is_continued(tmp_path: Path) -> None:
+    fill(tmp_path)
+    whole = entry(tmp_path).read_bytes()
+    for size in range(1, len(whole) + 1):
+        entry(tmp_path).unlink()
+        (tmp_path / f"{KEY}.x.part").write_bytes(whole[:size])
+        filled = fill(tmp_path)
+        assert filled.read + filled.rendered == COUNT
+        assert filled.rendered > 0
+        assert entry(tmp_path).read_bytes() == whole
+
+
+def test_partial_entries_count_towards_the_limit(tmp_path: Path) -> None:
+    fill(tmp_path)
+    size = entry(tmp_path).stat().st_size
+    (tmp_path / f"{OTHER_KEY}.x.part").write_bytes(bytes(size))
+    os.utime(tmp_path / f"{OTHER_KEY}.x.part", (1, 1))
+    fill(tmp_path, "c" * 64, limit_bytes=2 * size)
+    assert names(tmp_path) == {entry(tmp_path).name, entry(tmp_path, "c" * 64).name}
 
 
 def test_rendering_is_closed_when_the_reader_stops(tmp_path: Path) -> None:
     closed = []
 
-    def render() -> LuminanceStream:
+    def render(_start: int) -> LuminanceStream:
         try:
             yield from samples()
         finally:
@@ -161,7 +202,9 @@ def test_an_entry_above_the_limit_is_not_stored_and_evicts_nothing(tmp_path: Pat
     warned: list[str] = []
     limited = cache(tmp_path, limit_bytes=size, warn=warned.append)
     for key in (OTHER_KEY, "c" * 64):
-        assert equal(limited.samples(key, SHAPE, 40, lambda: samples(40)), samples(40))
+        assert equal(
+            limited.samples(key, SHAPE, 40, lambda start: samples(start, 40)), samples(count=40)
+        )
     assert names(tmp_path) == {entry(tmp_path).name}
     (message,) = warned
     assert "takes more than the" in message
@@ -230,7 +273,7 @@ def test_a_full_disk_gives_one_warning_and_leaves_no_file(tmp_path: Path, size: 
     full = cache(tmp_path, warn=warned.append)
     with no_file_beyond(size):
         found = [
-            list(full.samples(key, shape, COUNT, lambda: samples(shape=shape)))
+            list(full.samples(key, shape, COUNT, lambda start: samples(start, shape=shape)))
             for key in (KEY, OTHER_KEY)
         ]
     for stream in found:
@@ -253,23 +296,34 @@ import os, signal, sys
 from pathlib import Path
 from sim.cache.luminance_cache import LuminanceCache
 from tests.sim.luminance_samples import KEY, SHAPE, samples
-stream = LuminanceCache(Path(sys.argv[1])).samples(KEY, SHAPE, 4, samples)
+large = (80, 80)  # records above the size of a buffer reach the disk at once
+stream = LuminanceCache(Path(sys.argv[1])).samples(
+    KEY, large, 4, lambda start: samples(start, shape=large)
+)
 next(stream)
 os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_the_file_of_a_killed_writer_is_deleted(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", KILLED_WRITER, str(tmp_path)], check=False)
-    assert done.returncode == -signal.SIGKILL
-    (left,) = names(tmp_path)
-    assert left.endswith(".part")
-    writing = cache(tmp_path).samples(OTHER_KEY, SHAPE, COUNT, samples)
-    next(writing)
-    assert left not in names(tmp_path)
-    fill(tmp_path)  # does not delete the file that is still being written
-    assert equal(iter(list(writing)[-1:]), iter(list(samples())[-1:]))
-    assert names(tmp_path) == {entry(tmp_path).name, entry(tmp_path, OTHER_KEY).name}
+def test_the_file_of_a_killed_writer_is_continued(tmp_path: Path) -> None:
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", KILLED_WRITER, str(tmp_path)], check=False)
+        assert done.returncode == -signal.SIGKILL
+        assert parts(tmp_path) == ["part"]
+    shape, after = (80, 80), cache(tmp_path)
+    stream = after.samples(KEY, shape, COUNT, lambda start: samples(start, shape=shape))
+    assert equal(stream, samples(shape=shape))
+    assert (after.read, after.rendered) == (1, COUNT - 1)
+    assert names(tmp_path) == {entry(tmp_path).name}
+
+
+def test_the_file_of_a_living_writer_is_left_alone(tmp_path: Path) -> None:
+    writing = cache(tmp_path).samples(KEY, SHAPE, COUNT, samples)
+    first = next(writing)
+    filled = fill(tmp_path)
+    assert filled.read == 0
+    assert equal(iter([first, *writing]), samples())
+    assert names(tmp_path) == {entry(tmp_path).name}
 
 
 def _count_wrong(folder: Path, keys: list[str], limit_bytes: int, barrier: Any) -> int:
@@ -279,8 +333,8 @@ def _count_wrong(folder: Path, keys: list[str], limit_bytes: int, barrier: Any) 
     for turn in range(60):
         key = keys[turn % len(keys)]
         shared = cache(folder, limit_bytes=limit_bytes)
-        stream = shared.samples(key, SHAPE, 20, lambda: samples(20))
-        wrong += not equal(stream, samples(20))
+        stream = shared.samples(key, SHAPE, 20, lambda start: samples(start, 20))
+        wrong += not equal(stream, samples(count=20))
     return wrong
 
 
@@ -290,7 +344,7 @@ def _report(queue: Any, *arguments: Any) -> None:
 
 def test_processes_that_share_a_folder_all_get_the_right_samples(tmp_path: Path) -> None:
     """There is room for two of three entries, so that processes delete what others read."""
-    list(cache(tmp_path / "one").samples(KEY, SHAPE, 20, lambda: samples(20)))
+    list(cache(tmp_path / "one").samples(KEY, SHAPE, 20, lambda start: samples(start, 20)))
     limit = int(2.5 * entry(tmp_path / "one").stat().st_size)
     keys, spawn = [letter * 64 for letter in "abc"], multiprocessing.get_context("spawn")
     queue, barrier = spawn.Queue(), spawn.Barrier(3)
@@ -336,9 +390,29 @@ def test_a_crossing_from_the_cache_equals_the_rendered_one(
             assert np.array_equal(one.truth.image_velocity_px_s, other.truth.image_velocity_px_s)
 
 
+@pytest.mark.parametrize("lighting", [Lighting.DAY, Lighting.NIGHT])
+def test_a_crossing_that_is_continued_equals_the_whole_one(
+    tmp_path: Path, lighting: Lighting
+) -> None:
+    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=128.0)
+    crossing = Crossing(config, cache=cache(tmp_path))
+    times_us = crossing.times_us()[::12]
+    for taken in (1, len(times_us) // 2):
+        stream = crossing.samples(times_us)
+        list(islice(stream, taken))
+        stream.close()  # type: ignore[attr-defined]
+    continued = list(crossing.samples(times_us))
+    assert crossing.cache is not None
+    assert crossing.cache.rendered == len(times_us) == len(continued)
+    for one, other in zip(Crossing(config).samples(times_us), continued, strict=True):
+        assert (one.t_us, one.changed) == (other.t_us, other.changed)
+        assert np.array_equal(one.luminance, other.luminance)
+        assert np.array_equal(one.truth.target.labels, other.truth.target.labels)
+
+
 def test_rendered_samples_are_passed_on_unchanged(tmp_path: Path) -> None:
     rendered = list(samples())
-    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, lambda: (x for x in rendered))
+    stream = cache(tmp_path).samples(KEY, SHAPE, COUNT, lambda _start: (x for x in rendered))
     for sample, original in zip(stream, rendered, strict=True):
         assert sample is original
         assert isinstance(sample, LuminanceSample)
@@ -372,8 +446,8 @@ def rendered_ahead(crossing: Crossing, monkeypatch: pytest.MonkeyPatch) -> list[
     """Return the times that are rendered ahead, for a constant image instead of a scene."""
     black = np.zeros((260, 346), np.float32), np.zeros((260, 346), np.int32)
 
-    def render(_: Crossing, times_us: list[int]) -> LuminanceStream:
-        for t_us in times_us:
+    def render(_: Crossing, times_us: list[int], start: int) -> LuminanceStream:
+        for t_us in times_us[start:]:
             yield LuminanceSample(t_us, *black, changed=(0, 0, 346, 260))
 
     monkeypatch.setattr(Crossing, "times_us", lambda _: [0, 1000, 2000])

@@ -1,0 +1,1 @@
+"""Space-time filters with divisive normalisation (Brosch et al., 2015)."""

@@ -1,0 +1,207 @@
+"""A bank of space-time filters of several speeds and 8 directions, and its normalisation.
+
+The filters read events in cells of 2×2 px and respond at every other cell. They are separable: a
+temporal filter turns the events into an image, to which the factors of x and y of a Gabor filter
+are applied as matrices. Opposite directions share them, because only the sign of the odd part
+differs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detector.space_time_filters.filters import SUPPORT, biphasic, gabor, monophasic, mu_of_speed
+from flybench.events import Events
+from flybench.kernels import compiled
+
+CELL_PX = 2
+"""Side of a cell [px] (assumed). A period of the Gabor filter has six cells."""
+_STRIDE = 2
+"""Cells from one response to the next (assumed): 4 px, the standard deviation of a filter."""
+_TABLE = 512
+"""Number of ages at which the temporal filters are tabulated (assumed)."""
+DIRECTIONS = 8
+"""Number of directions; direction k is k · 45° from right to down (assumed; the paper shows its
+filters in steps of 45°)."""
+
+F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
+
+
+class FilterBank:
+    """Filters of all speeds and directions for a sensor."""
+
+    def __init__(
+        self, speeds_px_s: F64, *, sigma: float, frequency: float, width: int, height: int
+    ) -> None:
+        """Tabulate the filters.
+
+        Args:
+            speeds_px_s: preferred speeds [px/s].
+            sigma: σ of the Gabor filters.
+            frequency: spatial frequency of the Gabor filters [1/px].
+            width: sensor columns [px].
+            height: sensor rows [px].
+        """
+        mus = np.array([mu_of_speed(v, frequency) for v in speeds_px_s.tolist()])
+        self.support_us = np.ceil(SUPPORT * mus * 1e6)
+        ages = (np.arange(_TABLE) + 0.5) / _TABLE * SUPPORT
+        self._temporal = np.stack([monophasic(ages, 1.0), biphasic(ages, 1.0)]).astype(np.float32)
+        self._cells = odd_cells(height), odd_cells(width)
+        self._corner_px = tuple(
+            (size - cells * CELL_PX) // 2
+            for size, cells in zip((height, width), self._cells, strict=True)
+        )
+        self.shape = (self._cells[0] + 1) // _STRIDE, (self._cells[1] + 1) // _STRIDE
+        self._down, self._across = (
+            axis_filters(cells, sigma=sigma, frequency=frequency) for cells in self._cells
+        )
+
+    def responses(self, events: Events, end_us: int) -> F32:
+        """Return the responses at a time (equation 25).
+
+        Args:
+            events: sorted by t, all before `end_us`; those older than `support_us` have no effect.
+            end_us: time [µs].
+
+        Returns:
+            (speeds, directions, rows, columns) float32.
+        """
+        images = np.zeros((2, self.support_us.size, *self._cells), np.float32)
+        _accumulate(events, end_us, self.support_us, self._temporal, self._corner_px, images)
+        return _directions(images[0], images[1], self._down, self._across)
+
+
+def odd_cells(size_px: int) -> int:
+    """Return the number of cells along an axis: odd, so that the responses are symmetrical."""
+    return (size_px // CELL_PX - 1) // 2 * 2 + 1
+
+
+class AxisFilters(NamedTuple):
+    """Factors of the Gabor filters along one axis, as matrices (responses, cells) float32.
+
+    Attributes:
+        plain: of frequency 0.
+        even: real part at f₀.
+        odd: imaginary part at f₀.
+        even_oblique: real part at f₀/√2.
+        odd_oblique: imaginary part at f₀/√2.
+    """
+
+    plain: F32
+    even: F32
+    odd: F32
+    even_oblique: F32
+    odd_oblique: F32
+
+
+def axis_filters(cells: int, *, sigma: float, frequency: float) -> AxisFilters:
+    """Return the factors of an axis.
+
+    Args:
+        cells: number of cells along the axis.
+        sigma: σ of the Gabor filters.
+        frequency: their spatial frequency [1/px].
+    """
+    cell_px = np.arange(cells, dtype=np.float64) * CELL_PX
+    distance_px = cell_px[::_STRIDE, None] - cell_px
+    plain, straight, oblique = (
+        gabor(distance_px, frequency * share, sigma) for share in (0.0, 1.0, math.sqrt(0.5))
+    )
+    parts = (plain.real, straight.real, straight.imag, oblique.real, oblique.imag)
+    return AxisFilters(*(np.ascontiguousarray(part, np.float32) for part in parts))
+
+
+def _directions(mono: F32, bi: F32, down: AxisFilters, across: AxisFilters) -> F32:
+    """Return the responses of all directions to the images of the temporal filters (equation 25).
+
+    They respond most to a wave that moves against the frequency vector of the Gabor filter, so that
+    the odd part has a minus sign.
+    """
+    right = _part(bi, down.plain, across.even), _part(mono, down.plain, across.odd)
+    below = _part(bi, down.even, across.plain), _part(mono, down.odd, across.plain)
+    even = _part(bi, down.even_oblique, across.even_oblique)
+    twice_odd = _part(bi, down.odd_oblique, across.odd_oblique)
+    x_odd = _part(mono, down.even_oblique, across.odd_oblique)
+    y_odd = _part(mono, down.odd_oblique, across.even_oblique)
+    below_right = even - twice_odd, x_odd + y_odd
+    below_left = even + twice_odd, y_odd - x_odd
+    axes = (right, below_right, below, below_left)
+    return np.stack([e - o for e, o in axes] + [e + o for e, o in axes], axis=1)
+
+
+def _part(image: F32, down: F32, across: F32) -> F32:
+    return np.asarray(down @ image @ across.T)
+
+
+@compiled
+def _accumulate(
+    events: Any, end_us: int, support_us: Any, temporal: Any, corner_px: Any, images: Any
+) -> None:
+    """Add each event, with its polarity as its sign, to the images of its temporal filters."""
+    _, speeds, rows, columns = images.shape
+    ages = temporal.shape[1]
+    for n in range(events.size - 1, -1, -1):
+        event = events[n]
+        row, column = (event.y - corner_px[0]) // CELL_PX, (event.x - corner_px[1]) // CELL_PX
+        if not (0 <= row < rows and 0 <= column < columns):
+            continue
+        sign = np.float32(1.0 if event.p else -1.0)
+        age_us = float(end_us - event.t)
+        for s in range(speeds):
+            age = int(age_us / support_us[s] * ages)
+            if age < ages:
+                images[0, s, row, column] += sign * temporal[0, age]
+                images[1, s, row, column] += sign * temporal[1, age]
+
+
+class Normalisation:
+    """Divisive inhibition by the responses around a point (equation 31)."""
+
+    def __init__(
+        self,
+        *,
+        beta: float,
+        alpha_p: float,
+        alpha_q: float,
+        sigma_px: float,
+        shape: tuple[int, int],
+    ) -> None:
+        """Tabulate the weights c of the pool.
+
+        Args:
+            beta: β.
+            alpha_p: α_p.
+            alpha_q: α_q.
+            sigma_px: standard deviation of the pool [px].
+            shape: rows and columns of the responses.
+        """
+        self._beta, self._alpha_p, self._alpha_q = beta, alpha_p, alpha_q
+        self._down, self._across = (_pool(n, sigma_px / (CELL_PX * _STRIDE)) for n in shape)
+
+    def __call__(self, responses: F32) -> F32:
+        """Return the normalised responses.
+
+        The pool is the mean over all directions and speeds, weighted by a Gaussian in space.
+
+        Args:
+            responses: (speeds, directions, rows, columns).
+
+        Returns:
+            The same shape, each in [0, β).
+        """
+        active = np.maximum(responses, np.float32(0.0))
+        pool = self._down @ active.mean(axis=(0, 1)) @ self._across.T
+        return np.asarray(self._beta * active / (self._alpha_p + active + pool / self._alpha_q))
+
+
+def _pool(number: int, sigma: float) -> F32:
+    """Return Gaussian weights, (number, number); an inner row sums to 1."""
+    distance = np.arange(number)[:, None] - np.arange(number)
+    reach = np.arange(-number, number + 1)
+    total = np.exp(-(reach**2) / (2.0 * sigma**2)).sum()
+    return np.asarray(np.exp(-(distance**2) / (2.0 * sigma**2)) / total, np.float32)

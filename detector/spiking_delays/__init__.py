@@ -1,0 +1,1 @@
+"""A spiking network with synaptic delays (Orchard et al., 2013)."""

@@ -1,0 +1,1 @@
+"""Statistics of a recording of events that matter for motion detectors, in constant memory."""
