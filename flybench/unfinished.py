@@ -94,18 +94,23 @@ class UnfinishedOutput:
         """Move the new file, which has the name of the target, to its final place.
 
         Raises:
-            FlybenchError: of the class given, if the target was created meanwhile and may not be
-                overwritten. The new file is then kept under another name.
+            FlybenchError: of the class given, if the target cannot be replaced, or was created
+                meanwhile and may not be overwritten. The new file is then kept under another name.
         """
-        work, place = self.new / self.target.name, self.target
-        if not overwrite and os.path.lexists(self.target):
-            place = free_name(self.target)
-        work.replace(place)
-        if place != self.target:
-            raise self._error(
-                f"{self.target} was created by another program meanwhile. The output is in "
-                f"{place.name} beside it. Rename one of them."
-            )
+        work = self.new / self.target.name
+        reason = "was created by another program meanwhile"
+        if overwrite or not os.path.lexists(self.target):
+            try:
+                work.replace(self.target)
+            except OSError as failure:
+                reason = f"cannot be replaced ({failure.strerror})"
+            else:
+                return
+        place = free_name(self.target)
+        work.rename(place)
+        raise self._error(
+            f"{self.target} {reason}. The output is in {place.name} beside it. Rename one of them."
+        )
 
     def _lock_folder(self) -> BinaryIO:
         while True:
@@ -155,8 +160,11 @@ def check_new_file(path: Path, *, overwrite: bool, error: type[FlybenchError]) -
     """Check that a file does not exist yet, or may be overwritten.
 
     Raises:
-        FlybenchError: of class `error`, if it exists and may not be overwritten.
+        FlybenchError: of class `error`, if it exists and may not be overwritten, or is a mount
+            point, which cannot be replaced.
     """
+    if os.path.ismount(path):
+        raise error(f"{path} is a mount point, which cannot be replaced. Choose another name.")
     if not overwrite and os.path.lexists(path):
         raise error(
             f"{path} exists already. Allowed is a new file. Choose another name, or give "

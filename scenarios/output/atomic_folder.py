@@ -39,14 +39,19 @@ def check_output_folder(
             write; None: those that its summary does not list.
 
     Raises:
-        OutputError: the folder holds files that flybench did not write, it cannot be created, or
-            its disk has too little free space.
+        OutputError: the folder holds files that flybench did not write, it is a mount point, it
+            cannot be created, or its disk has too little free space.
     """
     folder = folder.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise OutputError(
             f"The output folder {folder} contains the current folder. Allowed is a separate folder "
             "that can be replaced as a whole. Choose one with --out."
+        )
+    if os.path.ismount(folder):
+        raise OutputError(
+            f"The output folder {folder} is a mount point, which cannot be replaced. Choose a "
+            "folder in it with --out."
         )
     parent = _nearest_existing(folder)
     if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
@@ -111,7 +116,7 @@ def unlisted_files(folder: Path) -> list[str]:
         summary = json.loads(read_small_text(folder / SUMMARY))
         if isinstance(summary, dict) and summary.get("generator") == GENERATOR:
             listed = summary.get("files")
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         pass
     names = set(map(str, listed)) if isinstance(listed, list) else set()
     return sorted(set(_files(folder)) - names)
@@ -126,23 +131,31 @@ def _files(folder: Path) -> Iterator[str]:
 
 
 def _replace(output: UnfinishedOutput) -> None:
-    """Move the new folder to its place; keep an earlier one that got files of others meanwhile."""
+    """Move the new folder to its place, or beside an earlier one that cannot be replaced."""
     folder = output.target
-    if not folder.exists():
-        output.new.rename(folder)
-        return
-    folder.rename(output.old)
-    others = unlisted_files(output.old)
-    if not others:
-        output.new.rename(folder)
-        return
-    output.old.rename(folder)
+    try:
+        others = _move_aside(output)
+        if not others:
+            output.new.rename(folder)
+            return
+        reason = f"got files meanwhile that were not written by flybench: {_named(others)}"
+    except OSError as failure:
+        reason = f"cannot be replaced ({failure.strerror})"
+    if output.old.exists():
+        output.old.rename(folder)
     place = free_name(folder)
     output.new.rename(place)
     raise OutputError(
-        f"The output folder {folder} got files meanwhile that were not written by flybench: "
-        f"{_named(others)}. It is unchanged, and the output is in {place}."
+        f"The output folder {folder} {reason}. It is unchanged, and the output is in {place}."
     )
+
+
+def _move_aside(output: UnfinishedOutput) -> list[str]:
+    """Move an earlier folder away, and return the files in it that flybench did not write."""
+    if not output.target.exists():
+        return []
+    output.target.rename(output.old)
+    return unlisted_files(output.old)
 
 
 def _named(files: list[str]) -> str:

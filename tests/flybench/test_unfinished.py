@@ -10,7 +10,13 @@ from typing import Any
 import pytest
 
 from flybench.errors import FlybenchError
-from flybench.unfinished import LOCK, UnfinishedOutput, free_name, remove_abandoned
+from flybench.unfinished import (
+    LOCK,
+    UnfinishedOutput,
+    check_new_file,
+    free_name,
+    remove_abandoned,
+)
 
 KILLED = """
 import os, signal, sys
@@ -116,3 +122,30 @@ def test_a_free_name_is_numbered(tmp_path: Path) -> None:
     (tmp_path / "a_2.csv").touch()
     (tmp_path / "a_3.csv").symlink_to("nowhere")
     assert free_name(tmp_path / "a.csv") == tmp_path / "a_4.csv"
+
+
+def test_a_mount_point_is_no_output_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.path.ismount", lambda path: path == tmp_path / "a")
+    with pytest.raises(FlybenchError, match="is a mount point, which cannot be replaced"):
+        check_new_file(tmp_path / "a", overwrite=True, error=FlybenchError)
+    check_new_file(tmp_path / "b", overwrite=True, error=FlybenchError)
+
+
+def test_a_file_that_cannot_take_its_place_is_kept_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def replace(_: Path, target: Path) -> None:
+        raise OSError(errno.EBUSY, "Device or resource busy", target)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    (tmp_path / "a.csv").write_text("old")
+    with (
+        pytest.raises(
+            FlybenchError, match=r"replaced \(Device .* The output is in a_2\.csv beside"
+        ),
+        UnfinishedOutput(tmp_path / "a.csv", FlybenchError) as output,
+    ):
+        (output.new / "a.csv").write_text("new")
+        output.publish_file(overwrite=True)
+    assert (tmp_path / "a.csv").read_text() == "old"
+    assert (tmp_path / "a_2.csv").read_text() == "new"

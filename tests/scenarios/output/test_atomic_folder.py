@@ -40,7 +40,9 @@ def test_an_error_keeps_the_old_folder(tmp_path: Path) -> None:
     assert [path.name for path in out.iterdir()] == ["summary.json"]
 
 
-@pytest.mark.parametrize("summary", [None, "{}", "[]", "not json", '{"generator": "other"}'])
+@pytest.mark.parametrize(
+    "summary", [None, "{}", "[]", "not json", "[" * 100_000, '{"generator": "other"}']
+)
 def test_a_folder_of_other_programs_is_refused(tmp_path: Path, summary: str | None) -> None:
     out = tmp_path / "out"
     out.mkdir()
@@ -129,6 +131,40 @@ def test_files_that_come_meanwhile_are_kept_and_so_is_the_output(tmp_path: Path)
         again()
     assert (out / "mine.txt").read_text() == "mine"
     assert json.loads((tmp_path / "out_2" / "summary.json").read_text())["number"] == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "out_2"]
+
+
+def test_a_mount_point_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.path.ismount", lambda path: path == tmp_path)
+    with pytest.raises(OutputError, match="is a mount point, which cannot be replaced"):
+        check_output_folder(tmp_path, needed_bytes=0)
+    check_output_folder(tmp_path / "in", needed_bytes=0)
+
+
+@pytest.mark.parametrize("busy", ["out", "new"])
+def test_the_output_is_kept_if_the_folder_cannot_be_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, busy: str
+) -> None:
+    out = tmp_path / "out"
+    with atomic_folder(out) as work:
+        write_summary(work, {"number": 1})
+    rename = Path.rename
+
+    def busy_rename(path: Path, target: Path) -> Path:
+        if path.name == busy and target.name in ("out", "old"):
+            raise OSError(errno.EBUSY, "Device or resource busy")
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", busy_rename)
+
+    def again() -> None:
+        with atomic_folder(out) as work:
+            write_summary(work, {"number": 2})
+
+    with pytest.raises(OutputError, match=r"cannot be replaced \(Device .* in .*out_2\."):
+        again()
+    for name, number in (("out", 1), ("out_2", 2)):
+        assert json.loads((tmp_path / name / "summary.json").read_text())["number"] == number
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "out_2"]
 
 
