@@ -79,11 +79,7 @@ class Compare:
             raise ScenarioError(
                 f"--plot is {self.plot}. Allowed is a name that ends in .png. Add the ending."
             )
-        if self.plot.absolute() in [source.absolute() for source in sources]:
-            raise ScenarioError(
-                f"--plot is {self.plot}, which is a recording to read. Choose another name."
-            )
-        check_output_file(self.plot, "--plot", overwrite=self.overwrite)
+        check_output_file(self.plot, "--plot", overwrite=self.overwrite, sources=sources)
 
 
 if __name__ == "__main__":

@@ -170,11 +170,7 @@ class Detect:
                 raise ScenarioError(
                     f"{option} is {path}. Allowed is a name that ends in {suffix}. Add the ending."
                 )
-            if path.absolute() == source.absolute():
-                raise ScenarioError(
-                    f"{option} is {path}, which is the recording to read. Choose another name."
-                )
-            check_output_file(path, option, overwrite=self.overwrite)
+            check_output_file(path, option, overwrite=self.overwrite, sources=(source,))
 
     def _print_outputs(self) -> None:
         console = SafeConsole(stderr=True) if self.json else SafeConsole()

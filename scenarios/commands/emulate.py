@@ -119,9 +119,10 @@ class Emulate:
 
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
-        check_output_file(self.out, "--out", overwrite=self.overwrite)
+        self._check_out(self.input, self.times)
         options = TimeOptions(self.fps, self.times, self.time_unit)
         pictures = open_pictures(self.input, options)
+        self._check_out(pictures.times.file)
         if pictures.times.t_us.size < 2:
             raise ScenarioError(
                 f"{self.input} contains {pictures.times.t_us.size} frames. Allowed are 2 or more, "
@@ -136,6 +137,10 @@ class Emulate:
         self._warn(pictures, motion, totals, takes_frames=writer.takes_frames)
         self._print(pictures, motion, totals)
         return 0
+
+    def _check_out(self, *sources: Path | None) -> None:
+        known = [source for source in sources if source is not None]
+        check_output_file(self.out, "--out", overwrite=self.overwrite, sources=known)
 
     def _emulate(
         self,

@@ -43,12 +43,14 @@ class FrameTimes:
         t_us: (frames,) int64 time since the first frame, strictly increasing [µs].
         source: where the times come from, and why in this unit.
         hz: frames per second if they are evenly spaced; None otherwise.
+        file: text file that they are read from; None: they come from elsewhere.
         warnings: doubts about the times, one sentence or more each.
     """
 
     t_us: I64
     source: str
     hz: float | None = None
+    file: Path | None = None
     warnings: tuple[str, ...] = ()
 
     def rate(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fractions import Fraction
 from pathlib import Path
@@ -105,7 +105,8 @@ def table_times(
             )
         chosen, reason = guessed
     times_us = [value * US_PER_UNIT[chosen] for value in table.values]
-    return own_times(times_us, names, f"{file.name}, in {chosen} ({reason})")
+    times = own_times(times_us, names, f"{file.name}, in {chosen} ({reason})")
+    return replace(times, file=file)
 
 
 def _words(line: str) -> list[str]:

@@ -139,13 +139,13 @@ def test_a_file_that_cannot_take_its_place_is_kept_beside_it(
 
     monkeypatch.setattr(Path, "replace", replace)
     (tmp_path / "a.csv").write_text("old")
-    with (
-        pytest.raises(
-            FlybenchError, match=r"replaced \(Device .* The output is in a_2\.csv beside"
-        ),
-        UnfinishedOutput(tmp_path / "a.csv", FlybenchError) as output,
-    ):
-        (output.new / "a.csv").write_text("new")
-        output.publish_file(overwrite=True)
+
+    def write() -> None:
+        with UnfinishedOutput(tmp_path / "a.csv", FlybenchError) as output:
+            (output.new / "a.csv").write_text("new")
+            output.publish_file(overwrite=True)
+
+    with pytest.raises(FlybenchError, match=r"replaced \(Device .* is in a_2\.csv beside it"):
+        write()
     assert (tmp_path / "a.csv").read_text() == "old"
     assert (tmp_path / "a_2.csv").read_text() == "new"

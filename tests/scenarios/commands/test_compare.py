@@ -146,5 +146,5 @@ def test_the_figure_may_not_overwrite_a_recording(
     file = tmp_path / "events.png"
     file.write_bytes(recordings[1].read_bytes())
     assert execute(Compare(recordings[0], file, plot=file)) == 2
-    assert "which is a recording to read" in capsys.readouterr().err
+    assert "which is a file to read" in capsys.readouterr().err
     assert file.read_bytes() == recordings[1].read_bytes()

@@ -211,7 +211,7 @@ def test_an_output_may_not_overwrite_the_recording(
     file = tmp_path / "events.rrd"
     shutil.copy(recording, file)
     assert execute(Detect(file, rrd=file)) == 2
-    assert "which is the recording to read" in capsys.readouterr().err
+    assert "which is a file to read" in capsys.readouterr().err
     assert file.read_bytes() == recording.read_bytes()
 
 

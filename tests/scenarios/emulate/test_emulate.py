@@ -254,3 +254,23 @@ def test_a_flash_in_a_video_of_varying_rate_comes_at_its_time(
     captured = capsys.readouterr()
     assert "60 at 14.9 to 62.5 Hz, varies, 2.433 s" in captured.out
     assert "warning" not in captured.err
+
+
+def test_no_input_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder, array = tmp_path / "im", tmp_path / "a.npy"
+    folder.mkdir()
+    for k, image in enumerate(wall_sequence(3, 0.5)):
+        Image.fromarray(image).save(folder / f"{k}.png")
+    np.save(array, wall_sequence(3, 0.5))
+    times = folder / "timestamps.txt"
+    times.write_text("0.0\n0.02\n0.03\n")
+    (tmp_path / "link.txt").symlink_to(times)
+    for command in (
+        Emulate(folder, times),
+        Emulate(folder, tmp_path / "link.txt"),
+        Emulate(folder, folder / ".." / "im" / times.name, times=times),
+        Emulate(array, array, fps=100.0),
+    ):
+        assert execute(replace(command, overwrite=True)) == 2
+        assert "which is a file to read" in capsys.readouterr().err
+    assert times.read_text() == "0.0\n0.02\n0.03\n"

@@ -61,3 +61,14 @@ def test_a_file_that_comes_meanwhile_is_kept_and_so_is_the_output(tmp_path: Path
     assert path.read_text() == "mine"
     assert (tmp_path / "a_2.png").read_text() == "ours"
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_file_to_read_is_no_output_under_any_name(tmp_path: Path) -> None:
+    source, folder = tmp_path / "a.png", tmp_path / "in"
+    source.touch()
+    folder.mkdir()
+    (tmp_path / "link.png").symlink_to(source)
+    for path in (source, folder / ".." / "a.png", tmp_path / "link.png"):
+        with pytest.raises(OutputError, match="which is a file to read"):
+            check_output_file(path, "--plot", overwrite=True, sources=(source,))
+    check_output_file(tmp_path / "b.png", "--plot", overwrite=True, sources=(source,))
