@@ -7,7 +7,7 @@ import re
 import shutil
 from pathlib import Path
 
-from flybench.errors import FlybenchError
+from flybench.errors import FlybenchError, message_of
 
 _FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 """Errors of a full disk, an exhausted quota, and a file above the size limit of the process."""
@@ -43,7 +43,9 @@ def caused_by_full_disk(error: BaseException | None) -> bool:
     while error is not None:
         if isinstance(error, OSError) and error.errno in _FULL:
             return True
-        in_rust = _IN_RUST.search(str(error))  # libraries in Rust give the number only as text
+        in_rust = _IN_RUST.search(
+            message_of(error)
+        )  # libraries in Rust give the number only as text
         if in_rust and int(in_rust[1]) in _FULL:
             return True
         error = error.__cause__

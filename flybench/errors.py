@@ -15,5 +15,13 @@ class FlybenchError(ValueError):
         super().__init__(*(printable(a) if isinstance(a, str) else a for a in args))
 
 
+def message_of(error: BaseException) -> str:
+    """Return the message of an error; empty if the error of another program cannot state it."""
+    try:
+        return str(error)
+    except Exception:
+        return ""
+
+
 class EventError(FlybenchError):
     """An event array is not a sorted stream of `EVENT_DTYPE` from this sensor."""

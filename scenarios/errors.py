@@ -6,7 +6,7 @@ import sysconfig
 import traceback
 from pathlib import Path
 
-from flybench.errors import FlybenchError
+from flybench.errors import FlybenchError, message_of
 
 
 class ScenarioError(FlybenchError):
@@ -21,16 +21,20 @@ class MethodError(ScenarioError):
     """A detector does not exist, or does not follow the protocol `detector.Detector`."""
 
 
+_SHOWN = 300
+"""Most characters of another program's message that are shown."""
 _LIBRARIES = tuple(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib"))
 
 
 def describe(error: BaseException) -> str:
-    """Return an error as one line: its class, its message, and where it was raised.
+    """Return an error as one line: its class, its message, shortened, and where it was raised.
 
     The place is the last one outside of installed libraries, if there is one.
     """
-    first_line, *_ = [*str(error).splitlines(), ""]
-    text = f"{type(error).__name__}: {first_line}"
+    message, *_ = [*message_of(error).strip().splitlines(), ""]
+    if len(message) > _SHOWN:
+        message = f"{message[:_SHOWN]}..."
+    text = f"{type(error).__name__}: {message}" if message else type(error).__name__
     places = traceback.extract_tb(error.__traceback__)
     if isinstance(error, SyntaxError) or not places:  # the former names file and line itself
         return text

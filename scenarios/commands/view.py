@@ -78,7 +78,9 @@ class View:
             )
         recordings = find_recordings(self.path, self.recording)
         if self.screenshot is not None:
-            check_output_file(self.screenshot, "--screenshot", overwrite=self.overwrite)
+            check_output_file(
+                self.screenshot, "--screenshot", overwrite=self.overwrite, sources=recordings
+            )
             with atomic_file(self.screenshot, overwrite=self.overwrite) as png:
                 screenshot(recordings[0], png, at_s=self.at_s)
             say(f"wrote {self.screenshot}, a picture of {recordings[0]}")

@@ -104,7 +104,7 @@ class DetectorFeed:
         self._now_us = max(self._now_us, reached_us)
         try:
             answer = getattr(self.detector, name)(*arguments)
-        except (Exception, SystemExit) as error:
+        except BaseException as error:  # a detector may raise an error of its own class
             if is_interrupt(error):
                 raise
             if wrote_to_read_only(error):

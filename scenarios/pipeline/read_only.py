@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flybench.errors import message_of
+
 _SIGNS = ("read-only", "readonly", "WRITEABLE")
 """Words in the errors of NumPy, OpenCV and Numba when code writes into a read-only array."""
 
@@ -21,4 +23,5 @@ def read_only_copy(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 def wrote_to_read_only(error: BaseException) -> bool:
     """Return True if code raised the error because it wrote into a read-only array."""
-    return any(sign in str(error) for sign in _SIGNS)
+    message = message_of(error)
+    return any(sign in message for sign in _SIGNS)

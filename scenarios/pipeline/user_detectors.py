@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from detector import Detector
-from scenarios.errors import MethodError, describe
+from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
 
 _REQUIRED_METHODS = ("push", "advance")
@@ -66,7 +66,9 @@ def _import(module_name: str, method: str) -> ModuleType:
         sys.path.append(here)
     try:
         return importlib.import_module(module_name)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         if isinstance(error, ModuleNotFoundError) and _is_part(error.name, module_name):
             raise MethodError(
                 f"The method is {method}, but Python finds no module {error.name}. Allowed are "
@@ -108,7 +110,9 @@ def _class_factory(method: str, module: ModuleType, class_name: str) -> Detector
     def make(*, width: int, height: int) -> Detector:
         try:
             detector: Detector = found(width=width, height=height)
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
+            if is_interrupt(error):
+                raise
             raise MethodError(f"{method} could not be created: {describe(error)}.") from error
         return detector
 

@@ -170,6 +170,35 @@ def test_estimates_before_a_failure_are_kept_and_the_detector_gets_no_more_event
     )
 
 
+class _UnprintableError(Exception):
+    def __str__(self) -> str:
+        raise ValueError
+
+
+class _Own(BaseException):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (_UnprintableError(), "of the stream: _UnprintableError (test_feeding.py, line"),
+        (RuntimeError("y" * 9999), f"RuntimeError: {'y' * 300}... (test_feeding"),
+        (RuntimeError(), "of the stream: RuntimeError (test_feeding.py, line"),
+        (_Own("odd"), "of the stream: _Own: odd (test_feeding.py, line"),
+        (GeneratorExit(), "of the stream: GeneratorExit (test_feeding.py, line"),
+    ],
+)
+def test_any_error_of_a_detector_is_its_failure(error: BaseException, words: str) -> None:
+    def fail(_: Any) -> None:
+        raise error
+
+    feed = feed_of("Good", push=fail)
+    assert feed.feed(empty_events(), until_us=70) == []
+    assert words in failure(feed)
+    assert len(failure(feed)) < 500
+
+
 def test_ctrl_c_is_not_a_failure_of_the_detector() -> None:
     def interrupted(_: Any) -> None:
         try:
@@ -177,7 +206,11 @@ def test_ctrl_c_is_not_a_failure_of_the_detector() -> None:
         except KeyboardInterrupt as interrupt:  # as numba does
             raise SystemError("returned a result with an exception set") from interrupt
 
-    feed = feed_of("Good", push=interrupted)
-    with pytest.raises(SystemError):
-        feed.feed(empty_events(), until_us=70)
-    assert feed.failure is None
+    def interrupted_directly(_: Any) -> None:
+        raise KeyboardInterrupt
+
+    for push, expected in ((interrupted, SystemError), (interrupted_directly, KeyboardInterrupt)):
+        feed = feed_of("Good", push=push)
+        with pytest.raises(expected):
+            feed.feed(empty_events(), until_us=70)
+        assert feed.failure is None
