@@ -19,7 +19,10 @@ from formats.errors import FormatError
 from formats.readers.text_layout import Layout, is_number, read_layout, split_words
 
 _BLOCK_BYTES = 1 << 22
+_IN_WORD = bytes(letter > 32 and letter not in b",;" for letter in range(256))
+"""1 for each character of a number, 0 for each that separates numbers."""
 _BLANKS = bytes.maketrans(b",;\t\r", b"    ")
+_LINE_FEED = ord("\n")
 _BOOLEANS = re.compile(rb"\b(?:(true)|false)\b", re.IGNORECASE)
 
 
@@ -66,17 +69,31 @@ def _columns(path: Path, text: bytes, layout: Layout, at: int) -> Iterator[Event
     """
     error: FormatError | None = None
     lines = text.count(b"\n") + (not text.endswith(b"\n"))
-    values = _numbers(text)
-    if values is None or values.size != lines * len(layout.order):
+    values, columns = _numbers(text), len(layout.order)
+    is_even = _has_even_lines(text, lines, columns)
+    if values is None or values.size != lines * columns or not is_even:
         text, error = _valid_lines(path, text, layout, at)
         values = _numbers(text)
     assert values is not None
-    table = values.reshape(-1, len(layout.order))
+    table = values.reshape(-1, columns)
     if len(table):
         t, x, y, p = (table[:, layout.order.index(name)] for name in "txyp")
         yield EventColumns(t, x, y, p)
     if error is not None:
         raise error
+
+
+def _has_even_lines(text: bytes, lines: int, columns: int) -> bool:
+    """Return True if each of the lines has this number of words."""
+    in_word = np.frombuffer(b"\0" + text.translate(_IN_WORD), np.bool_)
+    words = np.flatnonzero(in_word[1:] > in_word[:-1])
+    if words.size != lines * columns:
+        return False
+    rows = words.reshape(lines, columns)
+    ends = np.flatnonzero(np.frombuffer(text, np.uint8) == _LINE_FEED)
+    starts_later = rows[1:, 0] > ends[: lines - 1]
+    ends_earlier = rows[: ends.size, -1] < ends
+    return bool(starts_later.all() and ends_earlier.all())
 
 
 def _numbers(text: bytes) -> Array | None:

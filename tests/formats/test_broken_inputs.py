@@ -65,6 +65,24 @@ def test_evt3_clock_overflows(tmp_path: Path, last_us: int) -> None:
     assert np.array_equal(read_events(path), events)
 
 
+@pytest.mark.parametrize("end", [b"\n", b"", b"\r\n"])
+@pytest.mark.parametrize(
+    ("lines", "found"),
+    [
+        ((b"5002 2 3", b"1 5003 2 3 1"), "5002 2 3"),
+        ((b"5002 2 3 1 5003", b"2 3 1"), "5002 2 3 1 5003"),
+        ((b"5002 2 3 1 5003 2 3 1", b""), "5002 2 3 1 5003 2 3 1"),
+    ],
+)
+def test_lines_whose_numbers_only_match_in_all_are_refused(
+    tmp_path: Path, lines: tuple[bytes, bytes], found: str, end: bytes
+) -> None:
+    text = (end or b"\n").join((b"5001 2 3 1", *lines)) + end
+    (tmp_path / "a.txt").write_bytes(text)
+    with pytest.raises(FormatError, match=rf"line at byte 1[12] is '{found}'\."):
+        read_events(tmp_path / "a.txt", size=(9, 9))
+
+
 @pytest.mark.parametrize("line", [b"5002 2 \xff 1", b"5002 2 \0 1", b"5002 2 3 1 \xc2"])
 @pytest.mark.parametrize("size", [SIZE, None])
 def test_stray_bytes_in_text_are_refused(
