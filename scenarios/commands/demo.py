@@ -33,13 +33,14 @@ class Demo:
             (self.out / "night", Run(lighting="night", method=self.method).config()),
         ]
         needed_bytes = sum(estimated_bytes(config) for _, config in runs)
+        places = [folder.absolute() for folder, _ in runs]  # a detector may change the current one
         for folder, config in runs:
             check_output_folder(folder, needed_bytes=needed_bytes)
             make_detector(config)
         with progress_bar() as progress:
             summaries = [
-                (folder, record_run(config, folder, progress.track(config.name)))
-                for folder, config in runs
+                (folder, record_run(config, place, progress.track(config.name)))
+                for (folder, config), place in zip(runs, places, strict=True)
             ]
         print_runs(summaries)
         return report_failures(reason for _, summary in summaries for reason in failures(summary))

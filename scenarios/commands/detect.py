@@ -70,12 +70,14 @@ class Detect:
         path = events_file(self.file)
         self._check_outputs(path)
         check_not_rerun(path)
+        # absolute, because a detector may change the current folder
+        rrd, plot = (name and name.absolute() for name in (self.rrd, self.plot))
         with self.input.open(path) as file:
             scaled = self._make_detector(file)
             size = {"width": file.width, "height": file.height}
             feed = DetectorFeed(self.method, scaled.detector, **size)
             with self._printer() as printer:
-                verdict = self._read(file, scaled, feed, printer)
+                verdict = self._read(file, scaled, feed, printer, rrd, plot)
                 failure = None if feed.failure is None else str(feed.failure)
                 printer.finish(file, self.method, scaled.changes, verdict, failure)
         self._print_outputs()
@@ -86,18 +88,24 @@ class Detect:
         return EstimateJson(stream) if self.json else EstimateTable(SafeConsole())
 
     def _read(
-        self, file: EventFile, scaled: ScaledDetector, feed: DetectorFeed, printer: EstimatePrinter
+        self,
+        file: EventFile,
+        scaled: ScaledDetector,
+        feed: DetectorFeed,
+        printer: EstimatePrinter,
+        rrd: Path | None,
+        plot: Path | None,
     ) -> RecordingVerdict:
         """Run the detector on the file and write the outputs atomically."""
         verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
         with ExitStack() as stack:
-            log = self._recorder(stack, file, scaled) if self.rrd else None
+            log = self._recorder(stack, file, scaled, rrd) if rrd else None
             try:
                 for part in run_detector(file, feed):
                     verdict.add(part)
                     for estimate in part.estimates:
                         printer.add(estimate)
-                    if self.plot:
+                    if plot:
                         plot_data.add(part)
                     if log:
                         log(part)
@@ -107,18 +115,17 @@ class Detect:
                     printer.abandon(file, self.method, scaled.changes, verdict, failure)
                 raise
             check_not_empty(file)
-            if self.plot:
-                png = stack.enter_context(atomic_file(self.plot, overwrite=self.overwrite))
+            if plot:
+                png = stack.enter_context(atomic_file(plot, overwrite=self.overwrite))
                 size = file.width, file.height
                 write_plot(png, plot_data, size, self._title(file), verdict)
         return verdict
 
     def _recorder(
-        self, stack: ExitStack, file: EventFile, scaled: ScaledDetector
+        self, stack: ExitStack, file: EventFile, scaled: ScaledDetector, rrd: Path
     ) -> Callable[[RecordingSlice], None]:
         """Return a function that logs slices; it opens the recorder at the first slice."""
-        assert self.rrd is not None
-        work = stack.enter_context(atomic_file(self.rrd, overwrite=self.overwrite))
+        work = stack.enter_context(atomic_file(rrd, overwrite=self.overwrite))
         opened: list[FileRecorder] = []
 
         def log(part: RecordingSlice) -> None:

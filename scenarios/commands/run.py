@@ -158,6 +158,7 @@ class Run:
         others = "".join(f"_{method.replace(':', '.')}" for method in self.also)
         folder = self.out or LOGS / f"{config.name}{others and '_also'}{others}"
         check_output_folder(folder, needed_bytes=estimated_bytes(config))
+        place = folder.absolute()  # a detector may change the current folder
         make_detector(config)
         for method in (self.method, *self.also):
             check_frames(self.sensor, method)
@@ -165,7 +166,7 @@ class Run:
         with progress_bar() as progress:
             summary = record_run(
                 config,
-                folder,
+                place,
                 progress.track(config.name),
                 cache=cache,
                 also=self.also,

@@ -96,6 +96,7 @@ def run_sweep(
     """
     keys = [point_key(point.config) for point in plan.points]
     configs = {key: point.config for key, point in zip(keys, plan.points, strict=True)}
+    folder = folder.absolute()  # a detector may change the current folder
     with sweep_folder(folder), Journal(folder / JOURNAL) as journal:
         drop_results(folder)
         with durable_file(folder / COPY) as part:

@@ -1,6 +1,7 @@
 """`flybench detect`: what it prints and writes, and its errors."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -13,6 +14,7 @@ import cv2
 import numpy as np
 import pytest
 
+from detector import MotionEstimate
 from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import EVENT_DTYPE, Events
@@ -118,6 +120,35 @@ def test_frames_of_the_file_reach_a_frame_detector(
     assert document["file"]["frames"] == 12
     assert len(document["steps"]) == 11
     assert document["direction"] == "right"
+
+
+class Moving:
+    """A detector that changes the current folder."""
+
+    folder = Path()
+
+    def __init__(self, *, width: int, height: int) -> None:
+        self.size = width, height
+        os.chdir(self.folder)
+
+    def push(self, _: Events) -> list[MotionEstimate]:
+        return []
+
+    def advance(self, _: int) -> list[MotionEstimate]:
+        return []
+
+
+def test_a_detector_that_changes_the_folder_does_not_move_the_outputs(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Moving, "folder", tmp_path / "elsewhere")
+    method = f"{__name__}:{Moving.__name__}"
+    outputs: Any = {"rrd": Path("a.rrd"), "plot": Path("a.png")}
+    assert execute(Detect(recording, method=method, **outputs)) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.png", "a.rrd", "elsewhere"]
+    assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
 def test_a_truncated_file_gives_an_error_and_no_output(
