@@ -14,7 +14,7 @@ from scenarios.compare.compared import Compared
 from scenarios.event_statistics.interval_histogram import F64, bin_edges_us
 from scenarios.event_statistics.noise import BRIGHTNESS_EDGES, brightness_label
 from scenarios.event_statistics.recording_statistics import RecordingStatistics
-from scenarios.output.figures import figure_file
+from scenarios.output.figures import figure_file, literal
 
 SIZE_IN = (11.0, 6.4)
 COLOURS = ("#1f6eb4", "#d95f02")
@@ -46,9 +46,9 @@ def write_plot(
         base = Path(folder) / "figure"
         with figure_file(base, SIZE_IN) as figure:
             lines = [Line2D([], [], color=colour, linewidth=4) for colour in COLOURS]
-            legend = figure.legend(lines, names, loc="outside upper left", ncols=2)
-            for text in legend.get_texts():
-                text.set_parse_math(False)  # a file's name may contain $
+            figure.legend(
+                lines, [literal(name) for name in names], loc="outside upper left", ncols=2
+            )
             panels = figure.subplots(2, 3).flat
             _draw_intervals(panels[0], statistics)
             _draw_edges(panels[1], statistics)

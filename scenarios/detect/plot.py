@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from flybench.direction import Direction
 from scenarios.detect.plot_data import DIRECTIONS, SNAPSHOT_US, PlotData, Snapshot
 from scenarios.detect.verdict import RecordingVerdict
-from scenarios.output.figures import figure_file
+from scenarios.output.figures import figure_file, literal
 
 SIZE_IN = (11.0, 6.4)
 ON, OFF, HS, VS = "#d7301f", "#1b9e77", "#1f6eb4", "#8e5ac8"
@@ -47,7 +47,7 @@ def write_plot(
 def _draw(
     figure: Any, data: PlotData, size: tuple[int, int], name: str, verdict: RecordingVerdict
 ) -> None:
-    figure.suptitle(f"{name}: {verdict.word}\n{verdict.reason}", ha="left", x=0.01)
+    figure.suptitle(f"{literal(name)}: {verdict.word}\n{verdict.reason}", ha="left", x=0.01)
     top, bottom = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
     has_frame = data.snapshot.frame is not None
     images = top.subplots(1, 2 if has_frame else 1, squeeze=False)[0]

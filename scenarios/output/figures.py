@@ -11,6 +11,8 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from flybench.printable import printable
+
 DPI = 150
 _STYLE: Any = {
     "font.size": 9,
@@ -25,6 +27,11 @@ _STYLE: Any = {
     "svg.hashsalt": "flybench",
     "svg.fonttype": "none",
 }
+
+
+def literal(text: str) -> str:
+    """Return a text that Matplotlib draws as it is: between two `$`, it would draw a formula."""
+    return printable(text).replace("$", r"\$")
 
 
 @contextmanager

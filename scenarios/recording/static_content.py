@@ -10,6 +10,7 @@ import numpy as np
 import rerun as rr
 
 from flybench.events import Cause
+from flybench.printable import printable
 from scenarios.recording import entities as at
 from scenarios.recording.event_batches import class_id
 from sim import Crossing
@@ -90,7 +91,7 @@ def _plain(value: object) -> float | bool | str:
         return bool(value)
     if isinstance(value, int | float | np.number):
         return float(value)
-    return str(value)
+    return printable(str(value))
 
 
 def _mesh(mesh: BodyMesh) -> rr.Mesh3D:

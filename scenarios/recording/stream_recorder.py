@@ -16,6 +16,7 @@ from detector.fly.detector import FlyMaps
 from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import Events
+from flybench.printable import printable
 from scenarios.errors import ScenarioError
 from scenarios.pipeline.registry import gives_velocity
 from scenarios.recording import entities as at
@@ -79,7 +80,7 @@ class StreamRecorder:
         self._stream.set_log_tick_enabled(False)
         self._stream.save(self._file.entry, default_blueprint=view)
         self._file.opened()
-        self._stream.send_recording_name(name)
+        self._stream.send_recording_name(printable(name))
         log_parameters(self._stream, parameters)
 
     def __enter__(self) -> Self:

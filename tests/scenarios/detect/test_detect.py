@@ -19,6 +19,7 @@ from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import EVENT_DTYPE, Events
 from formats import Chunk, open_writer, write_events
+from scenarios.commands.compare import Compare
 from scenarios.commands.detect import Detect
 from scenarios.commands.view import MAGIC
 from scenarios.options.recording import RecordingOptions
@@ -151,6 +152,18 @@ def test_a_detector_that_changes_the_folder_does_not_move_the_outputs(
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
+@pytest.mark.parametrize("name", ["a$b_{$.npz", "a\udcff.npz"])
+def test_any_file_name_can_be_drawn_and_recorded(
+    recording: Path, tmp_path: Path, name: str
+) -> None:
+    file = tmp_path / name
+    shutil.copy(recording, file)
+    outputs: Any = {"rrd": tmp_path / "a.rrd", "plot": tmp_path / "a.png"}
+    assert execute(Detect(file, **outputs)) == 0
+    assert execute(Compare(file, file, plot=tmp_path / "b.png")) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {name, "a.rrd", "a.png", "b.png"}
+
+
 def test_a_truncated_file_gives_an_error_and_no_output(
     events: Events, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -264,6 +277,7 @@ def test_a_file_of_the_user_is_replaced_only_with_overwrite(
 WITH_LITTLE_ROOM = """
 import resource, signal, sys
 from pathlib import Path
+from scenarios.commands.compare import Compare
 from scenarios.commands.detect import Detect
 from scenarios.output.terminal import execute
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
