@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from detector import Detector
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError, describe
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
 
@@ -108,6 +109,8 @@ def _class_factory(method: str, module: ModuleType, class_name: str) -> Detector
     def make(*, width: int, height: int) -> Detector:
         try:
             detector: Detector = found(width=width, height=height)
+        except (MemoryBudgetError, MemoryError):  # the user can choose something smaller
+            raise
         except (Exception, SystemExit) as error:
             raise MethodError(f"{method} could not be created: {describe(error)}.") from error
         return detector
