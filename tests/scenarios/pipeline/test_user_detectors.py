@@ -48,7 +48,7 @@ def test_an_unusable_name_is_refused_with_the_reason(name: str, words: tuple[str
 
 def test_too_little_memory_is_no_error_of_a_users_class() -> None:
     make = find_method("some_detectors:Large").make
-    with pytest.raises(MemoryBudgetError, match="^A large detector needs 9e"):
+    with pytest.raises(MemoryBudgetError, match=r"^A large detector needs 9e"):
         make(width=346, height=260)
 
 
