@@ -254,3 +254,18 @@ def test_a_flash_in_a_video_of_varying_rate_comes_at_its_time(
     captured = capsys.readouterr()
     assert "60 at 14.9 to 62.5 Hz, varies, 2.433 s" in captured.out
     assert "warning" not in captured.err
+
+
+def test_warnings_about_times_come_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "images"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "0.0.png"), np.zeros((4, 4), np.uint8))
+    (folder / "0.1.png").write_text("damaged")
+    (tmp_path / "times.txt").write_text("0.0\n0.1\n0.2\n")
+    assert execute(Emulate(folder, tmp_path / "a.npz")) == 2
+    warning, *_, error = capsys.readouterr().err.splitlines()
+    assert warning.startswith("flybench: warning: ")
+    assert "times.txt is not used" in warning
+    assert "0.1.png" in error
