@@ -15,5 +15,11 @@ class FlybenchError(ValueError):
         super().__init__(*(printable(a) if isinstance(a, str) else a for a in args))
 
 
+def first_line(error: BaseException) -> str:
+    """Return the first line of an error's message; the class of the error if there is none."""
+    lines = (line for line in str(error).splitlines() if line.strip())
+    return next(lines, type(error).__name__)
+
+
 class EventError(FlybenchError):
     """An event array is not a sorted stream of `EVENT_DTYPE` from this sensor."""
