@@ -107,7 +107,7 @@ def _read(recording: Recording, file: Iterable[Chunk], parts: Sequence[_Part]) -
             frames = [f for f in chunk.frames if _is_inside(f, part.window, first_us)]
             events = _inside(chunk.events, part.window, first_us)
             part.frames += frames
-            part.events.append(events)
+            part.events += [events] if events.size else []  # an empty view would keep the chunk
             needed += _needed_bytes(events, frames)
         check_memory(f"The list of events of the windows of {recording.name}", needed)
         if all(_is_after(chunk, part.window, first_us) for part in parts):
