@@ -23,5 +23,11 @@ def message_of(error: BaseException) -> str:
         return ""
 
 
+def first_line(error: BaseException) -> str:
+    """Return the first line of an error's message; the class of the error if there is none."""
+    lines = (line for line in message_of(error).splitlines() if line.strip())
+    return next(lines, type(error).__name__)
+
+
 class EventError(FlybenchError):
     """An event array is not a sorted stream of `EVENT_DTYPE` from this sensor."""

@@ -67,6 +67,6 @@ def read_small_text(path: Path) -> str:
         os.set_blocking(file.fileno(), True)
         content = file.read(TEXT_MAX_BYTES + 1)
     if len(content) > TEXT_MAX_BYTES:
-        raise OSError(errno.EFBIG, f"it has more than {TEXT_MAX_BYTES:,} bytes", str(path))
+        raise OSError(errno.EINVAL, f"it has more than {TEXT_MAX_BYTES:,} bytes", str(path))
     with io.TextIOWrapper(io.BytesIO(content), encoding="utf-8") as text:
         return text.read()  # with any line endings

@@ -20,6 +20,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from flybench.errors import first_line
 from formats.column_order import ROWS, column_order
 from formats.columns import (
     Array,
@@ -76,7 +77,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
         raise
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise FormatError(
-            f"{path} is truncated or damaged ({_first_line(error)}). Copy it again from where it "
+            f"{path} is truncated or damaged ({first_line(error)}). Copy it again from where it "
             "was made."
         ) from error
     if not locations:
@@ -257,7 +258,7 @@ def _damaged(
 ) -> FormatError:
     return FormatError(
         f"{path} is damaged in {location.name} between events {start} and {end} "
-        f"({_first_line(error)}). Copy it again."
+        f"({first_line(error)}). Copy it again."
     )
 
 
@@ -272,7 +273,3 @@ def _unit(file: Any, location: EventLocation) -> tuple[str | None, str]:
     if location.name == "CD/events":
         return "us", "as Metavision defines"
     return None, ""
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 import scipy.io
 
+from flybench.errors import first_line
 from formats.columns import Array, EventColumns, FileHeader, ParsedFile, ParsedItem, ReadOptions
 from formats.errors import FormatError
 from formats.readers.arrays import COLUMN_ALIASES, match_columns
@@ -81,7 +82,7 @@ def read(path: Path, options: ReadOptions) -> ParsedFile:
             "damaged."
         ) from error
     except Exception as error:  # SciPy raises almost any type on a damaged file
-        why = str(error).splitlines()[0] if str(error) else type(error).__name__
+        why = first_line(error)
         raise FormatError(f"{path} is truncated or damaged ({why}). Copy it again.") from error
     if not places:
         raise FormatError(

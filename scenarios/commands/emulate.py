@@ -123,6 +123,8 @@ class Emulate:
         options = TimeOptions(self.fps, self.times, self.time_unit)
         pictures = open_pictures(self.input, options)
         self._check_out(pictures.times.file)
+        for warning in pictures.times.warnings:
+            _print_note(warning)
         if pictures.times.t_us.size < 2:
             raise ScenarioError(
                 f"{self.input} contains {pictures.times.t_us.size} frames. Allowed are 2 or more, "
@@ -180,8 +182,6 @@ class Emulate:
         *,
         takes_frames: bool,
     ) -> None:
-        for warning in pictures.times.warnings:
-            _print_note(warning)
         if motion.inaccurate and not self.interpolate:
             _print_note(
                 f"Objects move by up to {motion.max_px:.1f} px between frames, by more than "

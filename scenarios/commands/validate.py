@@ -13,7 +13,7 @@ import tyro
 from scenarios.options.method import ALLOWED_METHODS
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import ProgressBars, progress_bar, run_cli
+from scenarios.output.terminal import ProgressBars, progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.user_detectors import find_method
@@ -22,7 +22,7 @@ from scenarios.validate.files import find_file
 from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import PACKAGED, Manifest, Recording, read_manifest
 from scenarios.validate.page import render_page
-from scenarios.validate.results import WindowResult, print_results, write_csv
+from scenarios.validate.results import WindowResult, failures, print_results, write_csv
 from scenarios.validate.scoring import Score, score
 from scenarios.validate.stimulus import check_recording, read_stimuli
 from scenarios.validate.turns import TURNS, Turn
@@ -77,10 +77,11 @@ class Validate:
         check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
         with atomic_folder(self.out) as work:
             results = self._measure(manifest, methods)
-            self._write(work, manifest, methods, results)
+            failed = failures(results)
+            self._write(work, manifest, methods, results, failed)
         print_results(SafeConsole(), results)
         say(f"wrote {self.out / PAGE}")
-        return 0
+        return report_failures(failed)
 
     def _measure(self, manifest: Manifest, methods: tuple[str, ...]) -> list[WindowResult]:
         """Find and check the files, then run every method on every window."""
@@ -100,13 +101,15 @@ class Validate:
         manifest: Manifest,
         methods: tuple[str, ...],
         results: list[WindowResult],
+        failed: list[str],
     ) -> None:
         write_csv(work / TABLE, results)
         page = render_page(manifest, results, versions=versions())
         (work / PAGE).write_text(page, encoding="utf-8")
         facts = {r.name: {"sha256": r.sha256, "licence": r.licence} for r in manifest.recordings}
         summary = {"manifest": str(manifest.path), "methods": methods, "recordings": facts}
-        write_summary(work, {"command": "validate", **summary, "versions": versions()})
+        summary |= {"failed": failed, "versions": versions()}
+        write_summary(work, {"command": "validate", **summary})
 
 
 @contextmanager

@@ -108,7 +108,8 @@ class View:
                     f"--port is {self.port}, which is in use, perhaps by another viewer. Allowed "
                     "is a free port. Choose another, or leave --port out for any free one."
                 )
-        page, data = self.port or free_port(WEB_PORT), free_port(DATA_PORT)
+        page = self.port or free_port(WEB_PORT)
+        data = free_port(DATA_PORT, reserved=page)
         return ["--serve-web", "--web-viewer-port", str(page), "--port", str(data)]
 
 

@@ -11,12 +11,15 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
 from flybench.direction import Direction
+from flybench.memory import check_memory
 from scenarios.detect.plot_data import DIRECTIONS, SNAPSHOT_US, PlotData, Snapshot
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.output.figures import figure_file, literal
 
 SIZE_IN = (11.0, 6.4)
 ON, OFF, HS, VS = "#d7301f", "#1b9e77", "#1f6eb4", "#8e5ac8"
+_BYTES_PER_PX = 95
+"""Memory for a pixel of the sensor: image, APS frame and their copies (measured: 93)."""
 DIRECTION_COLOUR = {
     Direction.RIGHT: "#9ecae1",
     Direction.LEFT: "#fdbe85",
@@ -36,7 +39,12 @@ def write_plot(
         size: sensor columns and rows [px].
         name: name of the recording and the method, for the title.
         verdict: verdict on the recording.
+
+    Raises:
+        MemoryBudgetError: the image of the sensor needs more memory than the budget allows.
     """
+    width, height = size
+    check_memory(f"A figure of {width}×{height} px", _BYTES_PER_PX * width * height)
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder) / "figure"
         with figure_file(base, SIZE_IN) as figure:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -93,8 +95,23 @@ class ImageFolder(Pictures):
         return table_times(file, table, [image.name for image in self._files], options.unit)
 
     def _for_images(self, file: Path, table: TimeTable) -> TimeTable:
-        """Sort the images by the times of their names, and return only those times."""
-        value_of = dict(zip(table.names, table.values, strict=True))
+        """Sort the images by the times of their names, and return only those times.
+
+        A path that exists from the folder of the file names this image alone. Otherwise the name
+        without folders counts, because many data sets were moved.
+        """
+        value_of: dict[str, Fraction] = {}
+        for name, value in zip(table.names, table.values, strict=True):
+            listed = file.parent / name
+            exists = os.path.exists(listed)  # noqa: PTH110  (no error for a name that is too long)
+            if exists and not listed.parent.samefile(self._path):
+                continue  # it is an image of another folder
+            if listed.name in value_of:
+                raise ScenarioError(
+                    f"{file} names {listed.name} twice. Allowed is one time for each image. "
+                    "Remove a line, or give --times FILE or --fps."
+                )
+            value_of[listed.name] = value
         missing = [image.name for image in self._files if image.name not in value_of]
         if missing:
             raise ScenarioError(

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from fractions import Fraction
 from pathlib import Path
 
+from flybench.files import read_small_text
 from scenarios.emulate.frame_times import FrameTimes, own_times
 from scenarios.emulate.time_unit import US_PER_UNIT, Unit, guess_unit
 from scenarios.errors import ScenarioError
@@ -28,7 +29,7 @@ class TimeTable:
 
     Attributes:
         values: time of each line, in `unit`.
-        names: file name of the image of each line; empty if the lines contain no names.
+        names: path of the image of each line, as written; empty if the lines contain no names.
         unit: unit that the file states; None if it states none.
     """
 
@@ -44,7 +45,7 @@ def read_time_file(file: Path) -> TimeTable:
         ScenarioError: it is not such a file.
     """
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        lines = read_small_text(file).removeprefix("\ufeff").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(
             f"{file} cannot be read as a text file with times ({error}). {ALLOWED}."
@@ -121,20 +122,30 @@ def _parse(file: Path, number: int, line: str) -> tuple[str | None, bool, list[F
     """Return the image name, whether the time is a date, and the numbers of a line."""
     date = _DATE.fullmatch(line)
     if date is not None:
-        return None, True, [_date_us(date)]
+        try:
+            return None, True, [_date_us(date)]
+        except ValueError:
+            raise ScenarioError(
+                f"{file} has the line {number}: {line[:60]!r}. Allowed is a date and a time of "
+                "day that exist, such as 2023-12-31 23:59:59.5. Correct the line."
+            ) from None
     name, numbers = None, []
     for word in _words(line):
         if _is_number(word):
             numbers.append(Fraction(word))
         elif name is None:
-            name = Path(word).name
+            name = word
         else:
             raise ScenarioError(f"{file} has the line {number}: {line[:60]!r}. {ALLOWED}.")
     return name, False, numbers
 
 
 def _date_us(date: re.Match[str]) -> Fraction:
-    """Return the Unix time of a date in UTC [µs]; datetime itself has no nanoseconds."""
+    """Return the Unix time of a date in UTC [µs]; datetime itself has no nanoseconds.
+
+    Raises:
+        ValueError: there is no such date or time of day.
+    """
     second = datetime.fromisoformat(f"{date[1]}T{date[2]}").replace(tzinfo=UTC)
     return (int(second.timestamp()) + Fraction(date[3] or 0)) * 1_000_000
 

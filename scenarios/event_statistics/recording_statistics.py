@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flybench.events import Events
+from flybench.memory import count_memory
 from formats import Chunk
 from scenarios.event_statistics.interval_histogram import I64, quantile_us
 from scenarios.event_statistics.noise import MeanFrame, NoiseClass, noise_classes
@@ -16,6 +17,8 @@ from scenarios.event_statistics.quiet_pixels import SimultaneousPairs
 from scenarios.event_statistics.readout_order import ReadoutOrder, ReadoutShares
 
 FIRST_PERCENTILE = 0.01
+_BYTES_PER_PX = 150
+"""Memory for a pixel of the sensor, with the result (measured: 147)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +82,20 @@ class RecordingStatistics:
 
 
 class StatisticsCollector:
-    """Collects the statistics of a recording in blocks; memory depends on the sensor only.
-
-    Args:
-        width: columns of the sensor [px].
-        height: rows of the sensor [px].
-    """
+    """Collects the statistics of a recording in blocks; memory depends on the sensor only."""
 
     def __init__(self, *, width: int, height: int) -> None:
+        """Allocate the counters.
+
+        Args:
+            width: columns of the sensor [px].
+            height: rows of the sensor [px].
+
+        Raises:
+            MemoryBudgetError: the counters need more memory than the budget allows.
+        """
+        what = f"A comparison of recordings of {width}×{height} px"
+        count_memory(self, what, _BYTES_PER_PX * width * height)
         self._history = PixelHistory(width=width, height=height)
         self._pairs = SimultaneousPairs(width=width, height=height)
         self._order = ReadoutOrder()

@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -56,7 +56,7 @@ class RecordingOptions:
             FormatError: the file cannot be read.
             ScenarioError: the size is not written as a size, or the time is not a number above 0.
         """
-        file = open_events(
+        return open_recording(
             path,
             format=self.format,
             size=self._size(),
@@ -65,9 +65,6 @@ class RecordingOptions:
             sort_within_us=self._sort_within_us(),
             drop_unsorted=self.drop_unsorted,
         )
-        for warning in file.warnings:
-            complain(f"warning: {warning}")
-        return file
 
     def _sort_within_us(self) -> int:
         if self.sort is None:
@@ -89,6 +86,22 @@ class RecordingOptions:
                 "346x260."
             )
         return int(sides[1]), int(sides[2])
+
+
+def open_recording(path: Path, **options: Any) -> EventFile:
+    """Open a recording, and print what is uncertain about it.
+
+    Args:
+        path: the file.
+        options: arguments of `formats.open_events`.
+
+    Raises:
+        FormatError: the file cannot be read.
+    """
+    file = open_events(path, **options)
+    for warning in file.warnings:
+        complain(f"warning: {warning}")
+    return file
 
 
 def events_file(path: Path) -> Path:

@@ -13,6 +13,7 @@ import numpy as np
 from detector import Detector, FlyMaps, FrameDetector, MotionEstimate
 from emulator import ApsFrame
 from flybench.events import Events
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.estimate_checks import EstimateChecks
 from scenarios.pipeline.read_only import read_only_copy, wrote_to_read_only
@@ -57,6 +58,10 @@ class DetectorFeed:
 
         Returns:
             The new estimates, in order of time, until the detector fails; see `failure`.
+
+        Raises:
+            MemoryBudgetError: the detector needs more memory than the budget allows.
+            MemoryError: memory ran out.
         """
         estimates: list[MotionEstimate] = []
         if self.failure is None:
@@ -104,6 +109,8 @@ class DetectorFeed:
         self._now_us = max(self._now_us, reached_us)
         try:
             answer = getattr(self.detector, name)(*arguments)
+        except (MemoryBudgetError, MemoryError):  # the user can choose something smaller
+            raise
         except BaseException as error:  # a detector may raise an error of its own class
             if is_interrupt(error):
                 raise

@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from detector import Detector
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
 
@@ -110,6 +111,8 @@ def _class_factory(method: str, module: ModuleType, class_name: str) -> Detector
     def make(*, width: int, height: int) -> Detector:
         try:
             detector: Detector = found(width=width, height=height)
+        except (MemoryBudgetError, MemoryError):  # the user can choose something smaller
+            raise
         except BaseException as error:
             if is_interrupt(error):
                 raise

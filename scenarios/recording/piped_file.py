@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 
@@ -27,7 +28,8 @@ class PipedFile:
         self._file = path.open("wb", buffering=0)
         self._error: OSError | None = None
         self._pipe, self._entry = os.pipe()
-        fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
+        with suppress(OSError, AttributeError):  # a user's quota of pipes; systems without the call
+            fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
         self.entry = Path(f"/proc/self/fd/{self._entry}")
         """Path to write to."""
         self._thread = Thread(target=self._copy, daemon=True)

@@ -51,9 +51,15 @@ def is_free(port: int) -> bool:
     return True
 
 
-def free_port(preferred: int = 0) -> int:
-    """Return a port at which nothing listens: the preferred one, if it is free."""
-    if preferred and is_free(preferred):
+def free_port(preferred: int = 0, *, reserved: int | None = None) -> int:
+    """Return a port at which nothing listens: the preferred one, if it is free.
+
+    Args:
+        preferred: a port; 0: any.
+        reserved: port to leave free for another server; None: there is none.
+    """
+    if preferred not in (0, reserved) and is_free(preferred):
         return preferred
     with socket.create_server((HOST, 0)) as probe:
-        return int(probe.getsockname()[1])
+        port = int(probe.getsockname()[1])
+    return free_port(reserved=reserved) if port == reserved else port

@@ -12,6 +12,7 @@ from typing import Any
 import cv2
 import numba
 
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import ScenarioError, describe
 from scenarios.options.cache import CacheOptions
 from scenarios.pipeline.repeats import RunResult, run_side_by_side
@@ -103,7 +104,8 @@ def measure_task(task: Task) -> list[Results | Failure]:
             raise
         except Exception as error:
             if len(task.configs) == 1:
-                return [Failure(describe(error))]
+                refused = isinstance(error, MemoryBudgetError)
+                return [Failure(str(error) if refused else describe(error))]
     return [
         result
         for config in task.configs

@@ -9,11 +9,15 @@ import cv2
 import numpy as np
 
 from flybench.events import Events
+from flybench.memory import check_memory
 from scenarios.detect.plot_data import SNAPSHOT_US
 from scenarios.validate.stimulus import Stimulus
 
 IMAGES = 4
 """Images of a window, at equal steps from its start to its end (assumed)."""
+
+_BYTES_PER_PX = 14
+"""Memory for a pixel: the image, and at most its PNG, which is copied twice as text."""
 
 _ON, _OFF = (31, 48, 215), (119, 158, 27)
 """Blue, green and red of ON and OFF events, the colours of the figure of `flybench detect`."""
@@ -25,7 +29,12 @@ def event_images(stimulus: Stimulus) -> Sequence[tuple[int, str]]:
     Returns:
         For each image the time of its last event, after the start of the window [µs], and its
         address as a PNG in a "data:" URL.
+
+    Raises:
+        MemoryBudgetError: an image needs more memory than the budget allows.
     """
+    width, height = stimulus.width, stimulus.height
+    check_memory(f"An image of {width}×{height} px", _BYTES_PER_PX * width * height)
     first_us = min(SNAPSHOT_US, stimulus.duration_us)
     ends_us = np.linspace(first_us, stimulus.duration_us, IMAGES).round().astype(int).tolist()
     return [(end_us, _png(stimulus, _last_events(stimulus.events, end_us))) for end_us in ends_us]

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from flybench.errors import first_line
 from scenarios.options.cache import VARIABLE, default_folder
 from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import Manifest, Recording
@@ -91,7 +92,7 @@ def _fetched(recording: Recording, url: str, progress: Callable[[str], Progress]
         )
     except (OSError, ValueError) as error:  # OSError includes every error of requests
         unreachable = isinstance(error, exceptions.ConnectionError | exceptions.Timeout)
-        reason = "the server does not answer" if unreachable else str(error).splitlines()[0]
+        reason = "the server does not answer" if unreachable else first_line(error)
         raise ManifestError(
             f"{recording.name} cannot be fetched from {url}: {reason}. Check the address and the "
             f"connection, or put the file into a folder as {recording.file} and give --folder DIR."

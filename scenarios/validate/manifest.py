@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from detector.metrics import Box
 from flybench.direction import Direction
+from scenarios.options.toml_file import read_toml
 from scenarios.validate.keys import (
     RECORDING_KEYS,
     RECORDINGS,
@@ -109,22 +109,7 @@ def read_manifest(path: Path) -> Manifest:
         ManifestError: the file does not exist, is not TOML, or holds an unknown key or an invalid
             value. The message names the file, the key, the value and what to do.
     """
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ManifestError(
-            f"{path} cannot be read ({error.strerror}). Allowed is a TOML file. Choose another "
-            "file."
-        ) from error
-    except UnicodeDecodeError:
-        raise ManifestError(
-            f"{path} is not a text file. Allowed is a TOML file in UTF-8. Choose another file."
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise ManifestError(
-            f"{path} is not valid TOML: {error}. Allowed is the format that toml.io describes, "
-            "with every key once. Correct this line."
-        ) from None
+    _, tables = read_toml(path, ManifestError)
     try:
         return Manifest(path, _recordings(tables))
     except ManifestError as error:

@@ -108,4 +108,6 @@ def _table(by_method: Mapping[str, Total], *, moving: bool) -> _Table:
 def _variant(score: Score) -> str:
     if score.note:
         return "–"
+    if score.failed:
+        return f"failed after {score.steps} steps"
     return f"{score.right} of {score.steps} right; {score.verdict}"

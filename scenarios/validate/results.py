@@ -12,6 +12,7 @@ from rich.table import Table
 
 from flybench.direction import Direction
 from scenarios.detect.verdict import percent
+from scenarios.errors import MethodError
 from scenarios.output.tables import write_table
 from scenarios.recording.entities import ARROW
 from scenarios.validate.manifest import Recording, Window
@@ -35,6 +36,7 @@ COLUMNS = (
     "false_alarms",
     "verdict",
     "note",
+    "failed",
 )
 HEAD = ("method", "right", "wrong", "none", "first right", "verdicts")
 STILL_HEAD = ("method", "right", "false alarms", "verdicts")
@@ -78,6 +80,26 @@ class WindowResult:
         end_us = start_us + self.duration_us
         what = f"{ARROW[truth]} {truth.value}" if truth in ARROW else "nothing moves"
         return f"{self.recording.name}, {start_us * 1e-6:.2f} to {end_us * 1e-6:.2f} s: {what}"
+
+
+def failures(results: Sequence[WindowResult]) -> list[str]:
+    """Return one line for each window and method that failed in a variant, with the first reason.
+
+    Raises:
+        MethodError: no score is complete, and a method failed.
+    """
+    lines = []
+    for result in results:
+        for method, by_turn in result.scores.items():
+            reasons = [score.failed for score in by_turn.values() if score.failed]
+            if reasons:
+                place = f"{result.recording.name}, window {result.number}"
+                count = f"{len(reasons)} of {len(by_turn)} variants"
+                lines.append(f"{place}, {count}: {method}: {reasons[0]}")
+    scores = [s for r in results for by_turn in r.scores.values() for s in by_turn.values()]
+    if lines and all(score.note or score.failed for score in scores):
+        raise MethodError(f"No method ran to the end of a window. {lines[0]}")
+    return lines
 
 
 def totals(results: Sequence[WindowResult], *, moving: bool) -> dict[str, Total]:
@@ -128,14 +150,14 @@ def _rows(result: WindowResult) -> Iterator[Sequence[Any]]:
             yield (
                 *(result.recording.name, result.number, *times, crop, turn.name, s.truth.value),
                 *(method, s.steps, s.right, s.wrong, s.none, first_ms, s.false_alarms),
-                *(s.verdict, s.note),
+                *(s.verdict, s.note, s.failed),
             )
 
 
 def print_results(console: Console, results: Sequence[WindowResult]) -> None:
     """Print a table for each window, and one for all windows with motion and without.
 
-    The sums over windows leave out those in which a method could not run.
+    The sums over windows leave out those in which a method could not run, or failed.
     """
     for result in results:
         _print_table(console, result.label, result.totals, moving=result.moves)

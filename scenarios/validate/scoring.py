@@ -33,6 +33,8 @@ class Score:
             without one, or if nothing moves.
         verdict: verdict of `flybench detect` on the window.
         note: why the method could not run; empty if it ran.
+        failed: why the detector failed; the counts are then those until it failed, and no sum
+            includes them. Empty if it did not fail.
     """
 
     truth: Direction
@@ -44,6 +46,7 @@ class Score:
     first_right_us: int | None = None
     verdict: str = ""
     note: str = ""
+    failed: str = ""
 
     @property
     def verdict_is_right(self) -> bool:
@@ -53,7 +56,7 @@ class Score:
 
 @dataclass(frozen=True)
 class Total:
-    """Sum of several scores; each share is None if no step counts for it.
+    """Sum of the scores that are complete; each share is None if no step counts for it.
 
     Attributes:
         steps: number of steps.
@@ -65,7 +68,7 @@ class Total:
         right_verdicts: number of right verdicts.
         verdicts: number of verdicts, without "too short to judge".
         too_short: number of windows that are too short to judge.
-        note: why the method could not run in any; empty if it ran.
+        note: why the method could not run in any, or failed in all; empty if one is complete.
     """
 
     steps: int
@@ -83,7 +86,8 @@ class Total:
     def of(cls, scores: Iterable[Score]) -> Total:
         """Return the sum of some scores."""
         scores = list(scores)
-        ran = [score for score in scores if not score.note]
+        ran = [score for score in scores if not score.note and not score.failed]
+        reasons = [score.note or score.failed for score in scores]
         moving = sum(s.steps for s in ran if s.truth is not Direction.NONE)
         still = sum(s.steps for s in ran if s.truth is Direction.NONE)
         first = [s.first_right_us for s in ran if s.first_right_us is not None]
@@ -97,7 +101,7 @@ class Total:
             right_verdicts=sum(score.verdict_is_right for score in ran),
             verdicts=sum(score.verdict != TOO_SHORT for score in ran),
             too_short=sum(score.verdict == TOO_SHORT for score in ran),
-            note="" if ran else " ".join(dict.fromkeys(score.note for score in scores)),
+            note="" if ran else " ".join(dict.fromkeys(reasons)),
         )
 
 
@@ -132,8 +136,7 @@ def _score(feed: DetectorFeed, stimulus: Stimulus, truth: Direction) -> Score:
         for estimate in part.estimates:
             if estimate.direction is truth and first_right_us is None:
                 first_right_us = int(estimate.t_us)
-    if feed.failure is not None:
-        return Score(truth, note=str(feed.failure))
+    failed = "" if feed.failure is None else str(feed.failure).removeprefix(f"{feed.method}: ")
     counts, moves = verdict.counts, truth is not Direction.NONE
     return Score(
         truth,
@@ -144,6 +147,7 @@ def _score(feed: DetectorFeed, stimulus: Stimulus, truth: Direction) -> Score:
         false_alarms=None if moves else verdict.moving,
         first_right_us=first_right_us if moves else None,
         verdict=verdict.word,
+        failed=failed,
     )
 
 

@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from detector.metrics import Box
 from emulator import ApsFrame
 from flybench.events import Events, concatenate_events
+from flybench.memory import check_memory, count_memory
 from formats import Chunk, EventFile, open_events
+from scenarios.options.recording import open_recording
 from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import Recording, Window
 
-MOST_EVENTS = 20_000_000
-"""Most events of all windows of a recording: 0.8 GB while they are turned (assumed)."""
+_EVENT_BYTES = 40
+"""Memory for an event: as read, as a part of its window, and turned (13 bytes each)."""
+_FRAME_COPIES = 3
+"""Copies of a frame, likewise."""
 
 _ROUNDING_US = 1000
 """A window may end this much after the last event, since times are read to 1 ms (assumed) [µs]."""
@@ -53,11 +58,13 @@ class _Part:
 def check_recording(recording: Recording, path: Path) -> None:
     """Check that a file can be opened, and that all crops are inside its sensor.
 
+    Prints what is uncertain about the file.
+
     Raises:
         FormatError: the file cannot be opened.
         ManifestError: a crop leaves the sensor.
     """
-    with _open(recording, path) as file:
+    with open_recording(path, **_options(recording)) as file:
         _boxes(recording, file)
 
 
@@ -70,11 +77,11 @@ def read_stimuli(recording: Recording, path: Path) -> Sequence[Stimulus]:
 
     Raises:
         FormatError: the file cannot be read, or not up to the end of the last window.
-        ManifestError: a window ends after the recording, or a crop leaves the sensor; or the
-            windows hold too many events.
+        ManifestError: a window ends after the recording, or a crop leaves the sensor.
+        MemoryBudgetError: the windows hold too many events and frames.
     """
     parts = [_Part(window) for window in recording.windows]
-    with _open(recording, path) as file:
+    with open_events(path, **_options(recording)) as file:
         boxes = _boxes(recording, file)
         _read(recording, file, parts)
         statistics = file.statistics
@@ -90,30 +97,34 @@ def read_stimuli(recording: Recording, path: Path) -> Sequence[Stimulus]:
 def _read(recording: Recording, file: Iterable[Chunk], parts: Sequence[_Part]) -> None:
     """Collect the events of all windows in one pass, which stops after the last window."""
     first_us: int | None = None
-    count = 0
+    needed = 0
     for chunk in file:
         if first_us is None and chunk.events.size:
             first_us = int(chunk.events["t"][0])
         if first_us is None:
             continue
         for part in parts:
-            part.frames += [f for f in chunk.frames if _is_inside(f, part.window, first_us)]
-            inside = _inside(chunk.events, part.window, first_us)
-            part.events.append(inside)
-            count += inside.size
-        if count > MOST_EVENTS:
-            raise ManifestError(
-                f"The windows of {recording.name} hold more than {MOST_EVENTS:,} events, which is "
-                "the limit. Shorten them, or crop the recording into several files."
-            )
+            frames = [f for f in chunk.frames if _is_inside(f, part.window, first_us)]
+            events = _inside(chunk.events, part.window, first_us)
+            part.frames += frames
+            part.events += [events] if events.size else []  # an empty view would keep the chunk
+            needed += _needed_bytes(events, frames)
+        check_memory(f"The list of events of the windows of {recording.name}", needed)
         if all(_is_after(chunk, part.window, first_us) for part in parts):
             return
 
 
-def _open(recording: Recording, path: Path) -> EventFile:
-    return open_events(
-        path, size=recording.size, format=recording.format, time_unit=recording.time_unit
-    )
+def _needed_bytes(events: Events, frames: Sequence[ApsFrame]) -> int:
+    frame_bytes = sum(frame.image.nbytes for frame in frames)
+    return events.size * _EVENT_BYTES + frame_bytes * _FRAME_COPIES
+
+
+def _options(recording: Recording) -> dict[str, Any]:
+    return {
+        "size": recording.size,
+        "format": recording.format,
+        "time_unit": recording.time_unit,
+    }
 
 
 def _boxes(recording: Recording, file: EventFile) -> list[Box]:
@@ -180,4 +191,6 @@ def _stimulus(part: _Part, box: Box, first_us: int, last_us: int) -> Stimulus:
         )
         for frame in part.frames
     )
-    return Stimulus(events, frames, x1 - x0, y1 - y0, end_us - start_us)
+    stimulus = Stimulus(events, frames, x1 - x0, y1 - y0, end_us - start_us)
+    count_memory(stimulus, "A window of a recording", _needed_bytes(events, frames))
+    return stimulus

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import mujoco
 
+from flybench.errors import first_line
 from sim.errors import SceneConfigError
 
 ASSETS = Path(__file__).parents[1] / "assets"
@@ -23,7 +24,7 @@ def open_asset(name: str) -> mujoco.MjSpec:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, FileNotFoundError) as error:
         raise SceneConfigError(
-            f"Cannot open {path}: {_first_line(error)}. Allowed is a valid MJCF file. "
+            f"Cannot open {path}: {first_line(error)}. Allowed is a valid MJCF file. "
             "Install flybench again, or repair the file."
         ) from error
     for item in (*spec.textures, *spec.meshes):
@@ -33,7 +34,3 @@ def open_asset(name: str) -> mujoco.MjSpec:
                 "that folder. Install flybench again, or run `python -m tools.make_textures`."
             )
     return spec
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__

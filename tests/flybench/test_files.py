@@ -3,7 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from flybench.files import open_lock, open_regular
+from flybench import files
+from flybench.disk_space import caused_by_full_disk
+from flybench.files import open_lock, open_regular, read_small_text
 
 
 def test_a_regular_file_is_opened(tmp_path: Path) -> None:
@@ -25,3 +27,13 @@ def test_a_lock_does_not_block(tmp_path: Path) -> None:
     for name in ("fifo", "new"):
         open_lock(tmp_path / name).close()
         assert (tmp_path / name).exists()
+
+
+def test_a_text_that_is_too_long_is_no_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "TEXT_MAX_BYTES", 10)
+    (tmp_path / "a").write_text("a" * 11)
+    with pytest.raises(OSError, match="it has more than 10 bytes") as raised:
+        read_small_text(tmp_path / "a")
+    assert not caused_by_full_disk(raised.value)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
+from flybench.errors import first_line
 from formats.errors import FormatError
 
 SCAN_BYTES = 1 << 26
@@ -58,7 +59,7 @@ def damaged(path: Path, where: str, error: Exception) -> FormatError:
         where: place in the file, such as "at byte 1234".
         error: what the decoder raised.
     """
-    why = str(error).splitlines()[0] if str(error) else type(error).__name__
+    why = first_line(error)
     if isinstance(error, MemoryError):
         why = "a record needs more than the 1 GB of memory that a parser may use"
     return FormatError(

@@ -1,6 +1,7 @@
 """`flybench validate`: what it prints and writes, on made recordings and on real ones."""
 
 import csv
+import json
 import os
 import re
 from pathlib import Path
@@ -68,6 +69,47 @@ def test_it_prints_and_writes_every_method_in_every_variant(
             assert int(row["right"]) > 15
             assert (row["wrong"], row["false_alarms"], row["verdict"]) == ("0", "", row["truth"])
     assert {path.name for path in out.iterdir()} == {"results.csv", "report.html", "summary.json"}
+
+
+class Failing:
+    """Detector that raises an error."""
+
+    def __init__(self, *, width: int, height: int) -> None: ...
+
+    def push(self, _events: Any) -> list[Any]:
+        """Fail."""
+        raise ZeroDivisionError("no wind")
+
+    def advance(self, _t_us: int) -> list[Any]:
+        """Return nothing."""
+        return []
+
+
+def test_a_detector_that_fails_is_named_once_and_the_others_are_scored(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, bad = tmp_path / "out", f"{__name__}:Failing"
+    chosen: Any = {"recording": ("box",), "out": out}
+    assert execute(Validate(manifest, method=("fly", bad), **chosen)) == 1
+    captured = capsys.readouterr()
+    line = f"flybench: box, window 1, 5 of 5 variants: {bad}: push raised an error after"
+    assert captured.err.count(line) == 1
+    assert f"{bad}: push raised an" in captured.out
+    assert f"{bad}: {bad}" not in captured.out + captured.err
+    for row in rows_of(out):
+        assert (row["method"] == bad) == row["failed"].startswith("push raised an error after")
+    (failed,) = json.loads((out / "summary.json").read_text())["failed"]
+    assert f"flybench: {failed}" in captured.err
+    assert "failed after 0 steps" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_nothing_is_written_if_every_detector_fails(
+    manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    chosen: Any = {"method": (f"{__name__}:Failing",), "recording": ("box",)}
+    assert execute(Validate(manifest, out=tmp_path / "out", **chosen)) == 2
+    assert "No method ran to the end of a window. box, window 1" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_page_shows_images_and_scores_and_is_well_formed(

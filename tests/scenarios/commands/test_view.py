@@ -13,6 +13,7 @@ from rerun import RecordingStream, TextLog
 from scenarios.commands import view
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_folder import RECORDING
+from scenarios.recording import viewer_process
 from scenarios.recording.viewer_process import free_port, is_free
 
 
@@ -72,6 +73,15 @@ def test_one_local_viewer_opens_all_recordings(
     assert Path(program).name == "rerun"
     assert [Path(file).stem for file in files] == ["day_1.21", "day_2.42", "night_1.07"]
     assert (bind, address, web) == ("--bind", "127.0.0.1", "--serve-web")
+
+
+def test_the_page_and_the_data_have_different_ports(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(view, "is_free", lambda _: True)
+    monkeypatch.setattr(viewer_process, "is_free", lambda _: True)
+    options = view.View(Path(), web=True, port=view.DATA_PORT)._web_options()
+    assert options[:3] == ["--serve-web", "--web-viewer-port", str(view.DATA_PORT)]
+    assert options[4] != options[2]
+    assert view.View(Path(), web=True)._web_options()[2::2] == ["9090", "9876"]
 
 
 def test_a_picture_shows_the_chosen_recording(

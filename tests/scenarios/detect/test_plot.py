@@ -1,5 +1,6 @@
 """The figure of `flybench detect`."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,6 +9,7 @@ from matplotlib.figure import Figure
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
 from flybench.events import empty_events
+from flybench.memory import MemoryBudgetError
 from scenarios.detect import plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice
@@ -51,3 +53,9 @@ def test_the_figure_shows_shares_and_spans() -> None:
     assert axes.get_title() == ("6 steps: 0 % right, 100 % left, 0 % up, 0 % down, 0 % none")
     spans = [p for p in axes.patches if p.get_label() == "spans of one direction"]
     assert [(p.get_x(), p.get_width()) for p in spans] == [(0.0, pytest.approx(0.06))]
+
+
+def test_a_figure_beyond_the_memory_budget_is_refused(tmp_path: Path) -> None:
+    size = (30_000, 30_000)
+    with pytest.raises(MemoryBudgetError, match="A figure of 30000×30000 px needs"):
+        plot.write_plot(tmp_path / "a.png", PlotData(), size, "a", RecordingVerdict())

@@ -274,3 +274,18 @@ def test_no_input_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[s
         assert execute(replace(command, overwrite=True)) == 2
         assert "which is a file to read" in capsys.readouterr().err
     assert times.read_text() == "0.0\n0.02\n0.03\n"
+
+
+def test_warnings_about_times_come_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "images"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "0.0.png"), np.zeros((4, 4), np.uint8))
+    (folder / "0.1.png").write_text("damaged")
+    (tmp_path / "times.txt").write_text("0.0\n0.1\n0.2\n")
+    assert execute(Emulate(folder, tmp_path / "a.npz")) == 2
+    warning, *_, error = capsys.readouterr().err.splitlines()
+    assert warning.startswith("flybench: warning: ")
+    assert "times.txt is not used" in warning
+    assert "0.1.png" in error

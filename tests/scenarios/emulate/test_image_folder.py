@@ -1,5 +1,6 @@
 """Folders of images and the times that come with them."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from flybench import files
 from scenarios.emulate.frame_times import TimeOptions
 from scenarios.emulate.pictures import open_pictures
 from scenarios.errors import ScenarioError
@@ -128,6 +130,10 @@ def test_a_file_of_another_sequence_is_not_used_and_this_is_said(tmp_path: Path)
         ("0.0\n0.1 b.png\n0.2\n", "lines of different kinds"),
         ("0.0 1.0\n0.1 1.1\n0.2 1.2\n", "has 2 numbers a line"),
         ("1 0.1 0.2 0.3 a.png\n2 0.1 0.2 0.3 b.png\n3 0.1 0 0 c.png\n", "has 4 numbers a line"),
+        ("0.0 a.png\n0.1 b.png\n0.2 c.png\n0.3 a.png\n", r"names a\.png twice"),
+        ("0.0 x/a.png\n0.1 y/a.png\n0.2 b.png\n0.3 c.png\n", r"names a\.png twice"),
+        ("2023-12-31 10:00:00\n2023-13-01 10:00:00\n", r"has the line 2: '2023-13-01 10:00:00'"),
+        ("2023-12-31 10:60:00\n", r"has the line 1: .* a time of day that exist"),
         ("one two three\nfour\n", "has the line 2|lines of different kinds|has 0 numbers"),
     ],
 )
@@ -136,6 +142,30 @@ def test_invalid_files_give_an_error(tmp_path: Path, text: str, words: str) -> N
     (folder / "timestamps.txt").write_text(text)
     with pytest.raises(ScenarioError, match=words):
         open_pictures(folder)
+
+
+def test_a_file_for_several_folders_gives_each_its_own_times(tmp_path: Path) -> None:
+    left, right = (images(tmp_path / side, ["a.png", "b.png"]) for side in ("left", "right"))
+    lines = ["0.0 left/a.png", "0.5 right/a.png", "0.2 left/b.png", "0.6 right/b.png"]
+    (tmp_path / "images.txt").write_text("\n".join(lines))
+    assert open_pictures(left).times.t_us.tolist() == [0, 200_000]
+    assert open_pictures(right).times.t_us.tolist() == [0, 100_000]
+    (tmp_path / "images.txt").write_text("\n".join(lines[1::2]))
+    with pytest.raises(ScenarioError, match=r"has no time for a\.png"):
+        open_pictures(left, TimeOptions(file=tmp_path / "images.txt"))
+
+
+def test_a_time_file_cannot_block_and_may_begin_with_a_mark(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "_WAIT_S", 0.05)
+    folder = images(tmp_path / "a", ["a.png", "b.png"])
+    os.mkfifo(tmp_path / "fifo")
+    with pytest.raises(ScenarioError, match="it sends no data for"):
+        open_pictures(folder, TimeOptions(file=tmp_path / "fifo"))
+    (tmp_path / "marked.txt").write_text("0.0\n0.2\n", encoding="utf-8-sig")
+    times = open_pictures(folder, TimeOptions(file=tmp_path / "marked.txt")).times
+    assert times.t_us.tolist() == [0, 200_000]
 
 
 def test_fps_overrides_a_file_and_a_chosen_file_is_read_first(tmp_path: Path) -> None:

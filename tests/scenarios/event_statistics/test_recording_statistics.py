@@ -1,10 +1,17 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from emulator import ApsFrame
 from flybench.events import Events, empty_events
+from flybench.memory import MemoryBudgetError, free_bytes
 from formats import Chunk
-from scenarios.event_statistics.recording_statistics import RecordingStatistics, statistics_of
+from scenarios.event_statistics.recording_statistics import (
+    RecordingStatistics,
+    StatisticsCollector,
+    statistics_of,
+)
 from tests.scenarios.event_statistics.made_events import SIZE, edge_events, events_of, noise_events
 
 
@@ -59,3 +66,23 @@ def test_one_event_has_no_intervals() -> None:
     found = statistics(events_of((7, 1, 1, 1)))
     assert found.interval_us(0.5) is found.alternation is found.events_an_edge is None
     assert found.events == found.span_us == 1
+
+
+def test_a_sensor_beyond_the_memory_budget_is_refused_before_anything_is_allocated() -> None:
+    with pytest.raises(MemoryBudgetError, match="recordings of 30000×30000 px needs 135 GB"):
+        StatisticsCollector(width=30_000, height=30_000)
+
+
+def test_the_counted_memory_covers_all_that_is_allocated() -> None:
+    before, side = free_bytes(), 1000
+    image = np.ones((side, side), np.uint16)
+    tracemalloc.start()
+    collector = StatisticsCollector(width=side, height=side)
+    counted = before - free_bytes()
+    collector.add(Chunk(noise_events(5.0, 20_000), (ApsFrame(0, 10, image),)))
+    collector.result()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert 0.9 * counted < peak < 1.02 * counted
+    del collector
+    assert free_bytes() == before

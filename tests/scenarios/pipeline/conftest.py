@@ -25,6 +25,11 @@ class Breaking(Good):
     def __init__(self, *, width, height):
         raise ZeroDivisionError("no room")
 
+class Large(Good):
+    def __init__(self, *, width, height):
+        from flybench.memory import check_memory
+        check_memory("A large detector", 9 * 10**12)
+
 class InPlace(Good):
     def push(self, events):
         events["t"] -= 5

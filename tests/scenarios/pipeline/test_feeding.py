@@ -9,6 +9,7 @@ from detector.estimate import MotionEstimate
 from emulator import ApsFrame
 from flybench.direction import Direction
 from flybench.events import empty_events
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError
 from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.user_detectors import find_method
@@ -214,3 +215,15 @@ def test_ctrl_c_is_not_a_failure_of_the_detector() -> None:
         with pytest.raises(expected):
             feed.feed(empty_events(), until_us=70)
         assert feed.failure is None
+
+
+@pytest.mark.parametrize("error", [MemoryBudgetError("A surface needs 9 GB."), MemoryError()])
+def test_too_little_memory_is_not_a_failure_of_the_detector(error: Exception) -> None:
+    def growing(_: Any) -> None:
+        raise error
+
+    feed = feed_of("Good", push=growing)
+    with pytest.raises(type(error)) as raised:
+        feed.feed(empty_events(), until_us=70)
+    assert raised.value is error
+    assert feed.failure is None

@@ -2,6 +2,7 @@
 
 import pytest
 
+from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.user_detectors import find_method
@@ -43,6 +44,12 @@ def test_an_unusable_name_is_refused_with_the_reason(name: str, words: tuple[str
         find_method(name)
     for word in words:
         assert word in str(refused.value)
+
+
+def test_too_little_memory_is_no_error_of_a_users_class() -> None:
+    make = find_method("some_detectors:Large").make
+    with pytest.raises(MemoryBudgetError, match=r"^A large detector needs 9e"):
+        make(width=346, height=260)
 
 
 def test_an_error_in_a_users_class_is_reported_with_its_place() -> None:

@@ -1,6 +1,7 @@
 """Files that Rerun writes through a pipe."""
 
 import errno
+import fcntl
 import resource
 import signal
 from collections.abc import Iterator
@@ -51,3 +52,20 @@ def test_the_writer_never_fails_and_the_error_comes_at_the_end(tmp_path: Path) -
     assert raised.value.errno == errno.EFBIG
     with pytest.raises(OSError, match="File too large"):
         file.check()
+
+
+@pytest.mark.parametrize("limit", ["refused", "missing"])
+def test_a_pipe_of_the_usual_size_will_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    if limit == "refused":
+        monkeypatch.setattr(fcntl, "fcntl", refuse)
+    else:
+        monkeypatch.delattr(fcntl, "F_SETPIPE_SZ")
+    file = PipedFile(tmp_path / "a")
+    write(file, times=3)
+    file.close()
+    assert (tmp_path / "a").read_bytes() == BLOCK * 3

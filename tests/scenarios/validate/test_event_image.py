@@ -4,8 +4,10 @@ from base64 import b64decode
 
 import cv2
 import numpy as np
+import pytest
 
-from flybench.events import EVENT_DTYPE
+from flybench.events import EVENT_DTYPE, empty_events
+from flybench.memory import MemoryBudgetError
 from scenarios.validate.event_image import IMAGES, event_images
 from scenarios.validate.stimulus import Stimulus
 
@@ -35,3 +37,8 @@ def test_an_image_shows_the_last_20_ms_in_the_colours_of_the_polarity() -> None:
 def test_a_short_window_has_as_many_images() -> None:
     events = np.zeros(1, EVENT_DTYPE)
     assert len(event_images(Stimulus(events, (), 5, 4, 3000))) == IMAGES
+
+
+def test_an_image_beyond_the_memory_budget_is_refused() -> None:
+    with pytest.raises(MemoryBudgetError, match="An image of 32000×32000 px needs"):
+        event_images(Stimulus(empty_events(), (), 32_000, 32_000, 3000))

@@ -1,11 +1,13 @@
 """Manifests: what they hold, and one clear message for everything that is wrong."""
 
+import os
 import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from flybench import files
 from flybench.direction import Direction
 from scenarios.validate.keys import RECORDING_KEYS, WINDOW_KEYS, ManifestError
 from scenarios.validate.manifest import PACKAGED, Window, read_manifest
@@ -130,3 +132,20 @@ def test_the_manifest_of_the_project_is_valid_and_complete() -> None:
         assert recording.url
     directions = {w.direction for r in manifest.recordings for w in r.windows}
     assert directions == set(Direction)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("a = " + "[" * 3000, "nested too deep"), ("a = " + "1" * 5000, "more than 64 bits")],
+)
+def test_a_hostile_file_gives_one_sentence(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "m.toml").write_text(text)
+    with pytest.raises(ManifestError, match=words):
+        read_manifest(tmp_path / "m.toml")
+
+
+def test_a_fifo_does_not_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "_WAIT_S", 0.05)
+    os.mkfifo(tmp_path / "m.toml")
+    with pytest.raises(ManifestError, match="it sends no data for"):
+        read_manifest(tmp_path / "m.toml")

@@ -1,8 +1,10 @@
 """Scores of a method in a window."""
 
+import numpy as np
+
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
-from flybench.events import Events, empty_events
+from flybench.events import EVENT_DTYPE, Events, empty_events
 from scenarios.detect.verdict import TOO_SHORT
 from scenarios.validate.scoring import Score, Total, score
 from scenarios.validate.stimulus import Stimulus
@@ -33,6 +35,13 @@ class Scripted:
             )
             for k in range(before + 1, self.steps + 1)
         ]
+
+
+def single_events(number: int) -> Events:
+    """Return one event every ms."""
+    events = np.zeros(number, EVENT_DTYPE)
+    events["t"] = np.arange(number) * 1000
+    return events
 
 
 NAME = f"{__name__}:Scripted"
@@ -82,6 +91,27 @@ def test_a_method_that_cannot_run_says_why() -> None:
     assert "needs APS frames" in score("frame-fly", WINDOW, Direction.RIGHT).note
     small = Stimulus(empty_events(), (), 10, 10, 1000)
     assert "The sensor is 10×10 px. Allowed is" in score("fly", small, Direction.RIGHT).note
+
+
+class Failing(Scripted):
+    """Raises an error after 340 ms."""
+
+    def advance(self, t_us: int) -> list[MotionEstimate]:
+        """Fail in the end."""
+        if t_us > 340_000:
+            raise ZeroDivisionError("no wind")
+        return super().advance(t_us)
+
+
+def test_a_detector_that_fails_keeps_its_counts_and_says_why_once() -> None:
+    window = Stimulus(single_events(400), (), WIDTH, HEIGHT, 400_000)
+    found = score(f"{__name__}:Failing", window, Direction.RIGHT)
+    assert (found.steps, found.right, found.wrong, found.none) == (33, 0, 3, 30)
+    assert found.note == ""
+    assert found.failed.startswith("advance raised an error after 3")
+    assert "ZeroDivisionError: no wind" in found.failed
+    total = Total.of([found, found])
+    assert (total.steps, total.right, total.verdicts, total.note) == (0, None, 0, found.failed)
 
 
 def test_a_total_keeps_motion_and_stillness_apart() -> None:

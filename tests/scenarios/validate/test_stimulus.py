@@ -8,7 +8,8 @@ import pytest
 
 from flybench.direction import Direction
 from flybench.events import EVENT_DTYPE, Events
-from scenarios.validate import stimulus
+from flybench.memory import VARIABLE, MemoryBudgetError, free_bytes
+from formats import open_events
 from scenarios.validate.keys import ManifestError
 from scenarios.validate.manifest import Recording, Window
 from scenarios.validate.stimulus import check_recording, read_stimuli
@@ -93,12 +94,36 @@ def test_a_window_may_end_up_to_1_ms_after_the_last_event(tmp_path: Path) -> Non
     assert found.duration_us == 300_000
 
 
-def test_more_events_than_memory_holds_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("frames", "budget_gb"), [(0, "1.19e-5"), (6, "0.0128")])
+def test_more_than_the_memory_budget_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frames: int, budget_gb: str
 ) -> None:
-    monkeypatch.setattr(stimulus, "MOST_EVENTS", 299)
-    with pytest.raises(ManifestError, match="hold more than 299 events, which is the limit"):
-        read(tmp_path, Window(Direction.UP), file="a.npz", frames=0)
+    monkeypatch.setenv(VARIABLE, budget_gb)
+    windows = [Window(Direction.UP)] * (4 if frames else 1)
+    with pytest.raises(MemoryBudgetError, match="the windows of made needs"):
+        read(tmp_path, *windows, file="a.aedat4" if frames else "a.npz", frames=frames)
+
+
+def test_the_windows_count_as_long_as_they_live(tmp_path: Path) -> None:
+    before = free_bytes()
+    stimuli = read(tmp_path, Window(Direction.UP), file="a.npz", frames=0)
+    assert before - free_bytes() == 300 * 40
+    del stimuli
+    assert free_bytes() == before
+
+
+def test_what_is_uncertain_about_a_file_is_printed_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,x,y,p\n" + "".join(f"{k // 10},{k % 99},9,1\n" for k in range(1000)))
+    made = Recording("made", "a.csv", "", "", "", (Window(Direction.UP),), size=(WIDTH, HEIGHT))
+    with open_events(path, size=made.size) as file:
+        (warning,) = file.warnings
+    check_recording(made, path)
+    assert capsys.readouterr().err == f"flybench: warning: {warning}\n"
+    read_stimuli(made, path)
+    assert capsys.readouterr().err == ""
 
 
 def test_a_recording_without_events_is_refused(tmp_path: Path) -> None:
