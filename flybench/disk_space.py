@@ -43,9 +43,8 @@ def caused_by_full_disk(error: BaseException | None) -> bool:
     while error is not None:
         if isinstance(error, OSError) and error.errno in _FULL:
             return True
-        in_rust = _IN_RUST.search(
-            message_of(error)
-        )  # libraries in Rust give the number only as text
+        # libraries in Rust give the number only as text
+        in_rust = _IN_RUST.search(message_of(error))
         if in_rust and int(in_rust[1]) in _FULL:
             return True
         error = error.__cause__

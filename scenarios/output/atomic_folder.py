@@ -36,7 +36,8 @@ def check_output_folder(
         folder: path of the folder.
         needed_bytes: estimated size of the output [bytes].
         other_files: function that lists the files of an existing folder that flybench did not
-            write; None: those that its summary does not list.
+            write; None: those that its summary does not list, and the folder is replaced as a
+            whole.
 
     Raises:
         OutputError: the folder holds files that flybench did not write, it is a mount point, it
@@ -48,7 +49,7 @@ def check_output_folder(
             f"The output folder {folder} contains the current folder. Allowed is a separate folder "
             "that can be replaced as a whole. Choose one with --out."
         )
-    if os.path.ismount(folder):
+    if other_files is None and os.path.ismount(folder):
         raise OutputError(
             f"The output folder {folder} is a mount point, which cannot be replaced. Choose a "
             "folder in it with --out."

@@ -1,6 +1,7 @@
 """Figures as files."""
 
 from pathlib import Path
+from typing import Any
 
 from scenarios.output.figures import figure_file, literal
 
@@ -13,7 +14,7 @@ def draw(path: Path) -> None:
 def test_a_file_name_is_no_formula_and_is_always_drawn(tmp_path: Path) -> None:
     for name in ("a$b_{$.npz", "$", "a\\$b$", "a\udcff.npz"):
         with figure_file(tmp_path / "a", (3, 2)) as figure:
-            title = figure.suptitle(literal(name))
+            title: Any = figure.suptitle(literal(name))
             text, is_formula = title._preprocess_math(title.get_text())
             assert not is_formula
             assert text == name.replace("\udcff", "\\udcff")
