@@ -202,6 +202,8 @@ def _unit_of_whole(sample: _Sample, path: Path) -> TimeUnit:
     if sample.are_like_frame_numbers():
         doubt = _doubt(path, "us", "count up from 0 or 1", "the time of a frame, such as 1/30s")
         return TimeUnit("us", whole, doubt)
+    if rate_hz < _SLOW_HZ and sample.fits("us") and sample.fits("ns"):
+        return TimeUnit("us", whole, _slow_warning(sample, rate_hz, path))
     return TimeUnit("us", whole, _rate_warning(sample, "us", path))
 
 
@@ -232,6 +234,14 @@ def _doubt(path: Path, unit: str, finding: str, other: str) -> str:
     return (
         f"{path}: the times are read in {unit.replace('us', 'µs')}, but all {finding}. If that is "
         f"wrong, state the unit with --time-unit: {other}."
+    )
+
+
+def _slow_warning(sample: _Sample, rate_hz: float, path: Path) -> str:
+    return (
+        f"{path}: the times are read in µs, which gives {rate_hz:,.0f} events per second. In "
+        f"ns there would be {sample.rate_hz('ns'):,.0f}. If the times are in ns, state it with "
+        "--time-unit ns."
     )
 
 

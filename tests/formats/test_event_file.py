@@ -31,7 +31,7 @@ def test_the_parser_and_flybench_have_the_same_event_dtype() -> None:
 
 @pytest.mark.parametrize("name", FILE_MAKERS)
 def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) -> None:
-    events = random_events()
+    events = random_events(3000)
     path = make_file(tmp_path, name, events).rename(tmp_path / "recording.xyz")
     size = SIZE if name in WITHOUT_SIZE else None
     with open_events(path, size=size) as file:
