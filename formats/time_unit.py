@@ -20,7 +20,8 @@ from formats.errors import FormatError
 RATES_HZ = (10.0, 1e8)
 """Plausible event rates [events/s] (assumed: from a dark still scene to the fastest readout)."""
 
-_UNITS_US = {"s": Fraction(10**6), "ms": Fraction(1000), "us": Fraction(1), "ns": Fraction(1, 1000)}
+UNITS_US = {"s": Fraction(10**6), "ms": Fraction(1000), "us": Fraction(1), "ns": Fraction(1, 1000)}
+"""Units of time by name [µs]."""
 _ENOUGH = 100
 """Fewest events whose rate says anything (assumed)."""
 _SLOW_HZ = 1e4
@@ -70,7 +71,7 @@ def unit_us(name: str) -> Fraction:
     if found is not None:
         count, parts = Fraction(found[1] or 1), Fraction(found[2] or 1)
         if count > 0 and parts > 0:
-            return count / parts * _UNITS_US[found[3].replace("µ", "u")]
+            return count / parts * UNITS_US[found[3].replace("µ", "u")]
     raise FormatError(
         f"The time unit is {name!r}. Allowed is one of s, ms, us, ns, with a number before it for "
         "times that count steps, such as 33.3ms or 1/30s. Correct --time-unit."

@@ -112,7 +112,11 @@ def _read(recording: Recording, file: Iterable[Chunk], parts: Sequence[_Part]) -
 
 def _open(recording: Recording, path: Path) -> EventFile:
     return open_events(
-        path, size=recording.size, format=recording.format, time_unit=recording.time_unit
+        path,
+        size=recording.size,
+        format=recording.format,
+        time_unit=recording.time_unit,
+        columns=recording.columns,
     )
 
 
