@@ -10,6 +10,7 @@ from formats.event_file import EventFile, open_events, read_events
 from formats.event_order import SORT_MAX_US
 from formats.identify import FORMATS, identify_format
 from formats.samples import IMU_DTYPE, TRIGGER_DTYPE, TriggerKind
+from formats.time_unit import UNITS_US, unit_us
 from formats.writers import ENDINGS, WRITERS, open_writer, write_events
 from formats.writers.base import EventWriter
 
@@ -19,6 +20,7 @@ __all__ = [
     "IMU_DTYPE",
     "SORT_MAX_US",
     "TRIGGER_DTYPE",
+    "UNITS_US",
     "WRITERS",
     "Chunk",
     "EventFile",
@@ -31,5 +33,6 @@ __all__ = [
     "open_events",
     "open_writer",
     "read_events",
+    "unit_us",
     "write_events",
 ]

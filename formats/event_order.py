@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from formats.columns import (
     Array,
     EventColumns,
     ParsedArray,
+    ParsedFrame,
     ParsedItem,
     ReadOptions,
     Size,
@@ -21,12 +23,19 @@ from formats.columns import (
     valid_length,
 )
 from formats.errors import FormatError
+from formats.samples import ParsedSamples
 
 SORT_MAX_US = 10_000_000
 """Largest window within which events are sorted [µs]."""
 
 _HELD_MAX = 1 << 23
 """Most events that are held to be sorted: 100 MB."""
+
+_WAITING_MAX_BYTES = 1 << 28
+"""Most memory for the frames that wait for held events [bytes]."""
+
+_END_US = 2**62
+"""Time after all events [µs]."""
 
 
 class TimeOrder:
@@ -52,10 +61,12 @@ class TimeOrder:
         self._latest_us: int | None = None
         self._held = np.empty(0, PARSED_DTYPE)
         self._unsure = np.empty(0, PARSED_DTYPE)
-        self._before_us = self._latest_other_us = -(2**62)
+        self._waiting: deque[tuple[int, ParsedFrame | ParsedSamples]] = deque()
+        self._waiting_bytes = 0
+        self._before_us = self._latest_other_us = -_END_US
 
-    def push(self, events: Array) -> Iterator[Array]:
-        """Yield events that no later ones can precede.
+    def push(self, events: Array) -> Iterator[ParsedArray]:
+        """Yield events that no later ones can precede, and what waited for them.
 
         Args:
             events: the next events of the file, at least one.
@@ -69,16 +80,29 @@ class TimeOrder:
         if events.size:
             yield from self._in_order(events)
 
-    def finish(self) -> Iterator[Array]:
-        """Yield the events that are still held, at the end of the file or before an error."""
+    def push_other(self, item: ParsedFrame | ParsedSamples) -> Iterator[ParsedArray]:
+        """Yield a frame or samples, or keep them until the events before them are yielded.
+
+        Raises:
+            FormatError: the frames that wait do not fit into memory.
+        """
+        if not self._window_us or self._latest_us is None:
+            yield item
+            return
+        self._waiting.append((self._latest_us, item))
+        self._waiting_bytes += _frame_bytes(item)
+        if self._waiting_bytes > _WAITING_MAX_BYTES:
+            raise self._too_many(f"{_WAITING_MAX_BYTES >> 20} MB of frames")
+
+    def finish(self) -> Iterator[ParsedArray]:
+        """Yield all that is still held, at the end of the file or before an error."""
         if self._unsure.size:
             rest, self._unsure = self._unsure, self._unsure[:0]
             yield from self._in_order(rest)
-        if self._held.size:
-            yield self._held[np.argsort(self._held["t"], kind="stable")]
-            self._held = self._held[:0]
+        held, self._held = self._held, self._held[:0]
+        yield from self._with_waiting(held[np.argsort(held["t"], kind="stable")], _END_US)
 
-    def _in_order(self, events: Array) -> Iterator[Array]:
+    def _in_order(self, events: Array) -> Iterator[ParsedArray]:
         t = events["t"]
         before = self._latest_us if self._latest_us is not None else int(t[0])
         backwards = bool((t[1:] < t[:-1]).any()) or int(t[0]) < before
@@ -103,7 +127,7 @@ class TimeOrder:
             raise self._late(self._done + end, int(t[end]), int(latest[end]))
         self._done += events.size
 
-    def _released(self, events: Array) -> Iterator[Array]:
+    def _released(self, events: Array) -> Iterator[ParsedArray]:
         """Hold events for the length of the window, and yield those that are older."""
         if not self._window_us:
             yield events
@@ -111,14 +135,23 @@ class TimeOrder:
         assert self._latest_us is not None
         held = joined([self._held, events])
         held = held[np.argsort(held["t"], kind="stable")]
-        count = int(np.searchsorted(held["t"], self._latest_us - self._window_us))
+        until_us = self._latest_us - self._window_us
+        count = int(np.searchsorted(held["t"], until_us))
         self._held = held[count:].copy()
-        yield held[:count]
+        yield from self._with_waiting(held[:count], until_us)
         if self._held.size > _HELD_MAX:
-            raise FormatError(
-                f"{self._path} has more than {_HELD_MAX} events within {self._window_us / 1e3:g} "
-                "ms, which do not fit into memory to be sorted. Give a shorter time with --sort."
-            )
+            raise self._too_many(f"{_HELD_MAX} events")
+
+    def _with_waiting(self, events: Array, until_us: int) -> Iterator[ParsedArray]:
+        """Yield sorted events, and between them what came after events before `until_us`."""
+        while self._waiting and self._waiting[0][0] < until_us:
+            after_us, item = self._waiting.popleft()
+            self._waiting_bytes -= _frame_bytes(item)
+            count = int(np.searchsorted(events["t"], after_us, side="right"))
+            yield events[:count]
+            yield item
+            events = events[count:]
+        yield events
 
     def _without_leaps(self, events: Array) -> Array:
         """Drop single events from the future, after which time falls back to where it was.
@@ -136,6 +169,12 @@ class TimeOrder:
         self._unsure = events[-1:].copy()
         return events[:-1][~leaps]
 
+    def _too_many(self, what: str) -> FormatError:
+        return FormatError(
+            f"{self._path} has more than {what} within {self._window_us / 1e3:g} ms, which do not "
+            "fit into memory to be sorted. Give a shorter time with --sort."
+        )
+
     def _late(self, number: int, t_us: int, latest_us: int) -> FormatError:
         late_ms = (latest_us - t_us) / 1e3
         return FormatError(
@@ -143,6 +182,10 @@ class TimeOrder:
             "Times must not decrease. Sort events that are late by up to so many ms with --sort, "
             f"such as --sort {math.ceil(late_ms)}, or drop them with --drop-unsorted."
         )
+
+
+def _frame_bytes(item: ParsedFrame | ParsedSamples) -> int:
+    return item.image.nbytes if isinstance(item, ParsedFrame) else 0
 
 
 def valid_in_order(
@@ -158,7 +201,7 @@ def valid_in_order(
     try:
         for item in items:
             if not isinstance(item, EventColumns):
-                yield item
+                yield from order.push_other(item)
                 continue
             valid, error = valid_length(
                 item, size, path=path, done=done, size_is_option=size_is_option

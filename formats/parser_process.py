@@ -240,19 +240,22 @@ def _shifted(
 
 
 def _batched(items: Iterator[ParsedArray]) -> Iterator[ParsedArray]:
-    """Yield frames, and events in arrays of `BATCH` or more; before an error, those collected."""
+    """Yield frames, and the events between them in arrays of up to `BATCH`, or a block more.
+
+    Samples may come before the events that are collected. Before an error, those are yielded.
+    """
     pending: list[Array] = []
     count = 0
     try:
         for item in items:
-            if isinstance(item, ParsedFrame | ParsedSamples):
-                yield item
-                continue
-            pending.append(item)
-            count += item.size
-            if count >= BATCH:
+            if isinstance(item, np.ndarray):
+                pending.append(item)
+                count += item.size
+            if pending and (isinstance(item, ParsedFrame) or count >= BATCH):
                 yield joined(pending)
                 pending, count = [], 0
+            if not isinstance(item, np.ndarray):
+                yield item
     except BaseException:
         if pending:
             yield joined(pending)

@@ -20,7 +20,8 @@ from formats.errors import FormatError
 RATES_HZ = (10.0, 1e8)
 """Plausible event rates [events/s] (assumed: from a dark still scene to the fastest readout)."""
 
-_UNITS_US = {"s": Fraction(10**6), "ms": Fraction(1000), "us": Fraction(1), "ns": Fraction(1, 1000)}
+UNITS_US = {"s": Fraction(10**6), "ms": Fraction(1000), "us": Fraction(1), "ns": Fraction(1, 1000)}
+"""Units of time by name [µs]."""
 _ENOUGH = 100
 """Fewest events whose rate says anything (assumed)."""
 _SLOW_HZ = 1e4
@@ -70,7 +71,7 @@ def unit_us(name: str) -> Fraction:
     if found is not None:
         count, parts = Fraction(found[1] or 1), Fraction(found[2] or 1)
         if count > 0 and parts > 0:
-            return count / parts * _UNITS_US[found[3].replace("µ", "u")]
+            return count / parts * UNITS_US[found[3].replace("µ", "u")]
     raise FormatError(
         f"The time unit is {name!r}. Allowed is one of s, ms, us, ns, with a number before it for "
         "times that count steps, such as 33.3ms or 1/30s. Correct --time-unit."
@@ -202,6 +203,8 @@ def _unit_of_whole(sample: _Sample, path: Path) -> TimeUnit:
     if sample.are_like_frame_numbers():
         doubt = _doubt(path, "us", "count up from 0 or 1", "the time of a frame, such as 1/30s")
         return TimeUnit("us", whole, doubt)
+    if rate_hz < _SLOW_HZ and sample.fits("us") and sample.fits("ns"):
+        return TimeUnit("us", whole, _slow_warning(sample, rate_hz, path))
     return TimeUnit("us", whole, _rate_warning(sample, "us", path))
 
 
@@ -232,6 +235,14 @@ def _doubt(path: Path, unit: str, finding: str, other: str) -> str:
     return (
         f"{path}: the times are read in {unit.replace('us', 'µs')}, but all {finding}. If that is "
         f"wrong, state the unit with --time-unit: {other}."
+    )
+
+
+def _slow_warning(sample: _Sample, rate_hz: float, path: Path) -> str:
+    return (
+        f"{path}: the times are read in µs, which gives {rate_hz:,.0f} events per second. In "
+        f"ns there would be {sample.rate_hz('ns'):,.0f}. If the times are in ns, state it with "
+        "--time-unit ns."
     )
 
 

@@ -13,7 +13,13 @@ import tyro
 from detector.estimate import FrameDetector
 from formats import EventFile, FormatError
 from scenarios.commands.view import is_recording
-from scenarios.detect.estimate_output import EstimateJson, EstimatePrinter, EstimateTable
+from scenarios.detect.estimate_output import (
+    EstimateJson,
+    EstimatePrinter,
+    EstimateTable,
+    Outcome,
+    file_line,
+)
 from scenarios.detect.plot import write_plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice, run_detector
@@ -76,12 +82,22 @@ class Detect:
             scaled = self._make_detector(file)
             size = {"width": file.width, "height": file.height}
             feed = DetectorFeed(self.method, scaled.detector, **size)
+            self._notes().print(file_line(file), soft_wrap=True)
             with self._printer() as printer:
-                verdict = self._read(file, scaled, feed, printer, rrd, plot)
+                verdict, error = self._read(file, scaled, feed, printer, rrd, plot)
                 failure = None if feed.failure is None else str(feed.failure)
-                printer.finish(file, self.method, scaled.changes, verdict, failure)
+                reason = None if error is None else str(error)
+                outcome = Outcome(file, self.method, scaled.changes, verdict, failure, reason)
+                printer.finish(outcome)
         self._print_outputs()
-        return report_failures([failure] if failure else [])
+        status = report_failures([failure] if failure else [])
+        if error is not None:
+            raise error
+        return status
+
+    def _notes(self) -> SafeConsole:
+        """Return where to print what is not the result."""
+        return SafeConsole(stderr=self.json)
 
     def _printer(self) -> EstimatePrinter:
         stream = own_output()
@@ -95,9 +111,10 @@ class Detect:
         printer: EstimatePrinter,
         rrd: Path | None,
         plot: Path | None,
-    ) -> RecordingVerdict:
-        """Run the detector on the file and write the outputs atomically."""
+    ) -> tuple[RecordingVerdict, FormatError | None]:
+        """Run the detector on the file, or on what comes before an error, and write the outputs."""
         verdict, plot_data = RecordingVerdict(memory_us(scaled.detector)), PlotData()
+        error: FormatError | None = None
         with ExitStack() as stack:
             log = self._recorder(stack, file, scaled, rrd) if rrd else None
             try:
@@ -109,17 +126,17 @@ class Detect:
                         plot_data.add(part)
                     if log:
                         log(part)
-            except FormatError:
-                if file.statistics.events:
-                    failure = None if feed.failure is None else str(feed.failure)
-                    printer.abandon(file, self.method, scaled.changes, verdict, failure)
-                raise
+            except FormatError as caught:
+                if not file.statistics.events:
+                    raise
+                error = caught
             check_not_empty(file)
             if plot:
                 png = stack.enter_context(atomic_file(plot, overwrite=self.overwrite))
                 size = file.width, file.height
-                write_plot(png, plot_data, size, self._title(file), verdict)
-        return verdict
+                title = self._title(file) + (", up to an error in the file" if error else "")
+                write_plot(png, plot_data, size, title, verdict)
+        return verdict, error
 
     def _recorder(
         self, stack: ExitStack, file: EventFile, scaled: ScaledDetector, rrd: Path
@@ -180,7 +197,7 @@ class Detect:
             check_output_file(path, option, overwrite=self.overwrite, sources=(source,))
 
     def _print_outputs(self) -> None:
-        console = SafeConsole(stderr=True) if self.json else SafeConsole()
+        console = self._notes()
         if self.plot:
             console.print(f"wrote {self.plot}", soft_wrap=True)
         if self.rrd:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from emulator import EventSensor, SensorOutput, preset
 from emulator.presets import PresetName
-from formats import EventWriter, open_writer
+from formats import EventWriter, open_writer, unit_us
 from scenarios.emulate.frame_times import TimeOptions
 from scenarios.emulate.luminance_samples import (
     ACCURATE_PX,
@@ -93,7 +93,8 @@ class Emulate:
         Unit | None,
         tyro.conf.arg(
             metavar="s|ms|us|ns",
-            help="Unit of the times in a text file or in the names of images.",
+            help="Unit of the times in a text file or in the names of images; 1/30s for frame "
+            "numbers at 30 Hz.",
             help_behavior_hint="(default: decided by the values, and shown)",
         ),
     ] = None
@@ -120,6 +121,8 @@ class Emulate:
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
         self._check_out(self.input, self.times)
+        if self.time_unit is not None:
+            unit_us(self.time_unit)
         options = TimeOptions(self.fps, self.times, self.time_unit)
         pictures = open_pictures(self.input, options)
         self._check_out(pictures.times.file)

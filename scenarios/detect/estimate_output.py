@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import IO, Any, Self, TextIO
 
 from rich.console import Console
@@ -27,6 +28,27 @@ MOST_SPANS = 8
 _COLUMNS = (("time [s]", 13), ("HS", 7), ("VS", 7), ("direction", 10), ("strength", 9))
 
 
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A recording that was read, and the result of the detector on it.
+
+    Attributes:
+        file: the recording, read to its end or to an error.
+        method: name of the detector.
+        scaled: parameters of the detector that were scaled, by name.
+        verdict: verdict over all estimates.
+        failure: reason why the detector failed; None if it did not.
+        error: reason why the file could not be read to its end; None if it could.
+    """
+
+    file: EventFile
+    method: str
+    scaled: Mapping[str, Any]
+    verdict: RecordingVerdict
+    failure: str | None
+    error: str | None
+
+
 class EstimatePrinter(ABC):
     """Prints estimates as they come, then a summary; use it as a context manager."""
 
@@ -42,34 +64,8 @@ class EstimatePrinter(ABC):
         """Print or store an estimate."""
 
     @abstractmethod
-    def finish(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
-        """Print the rest and the summary.
-
-        Args:
-            file: the recording, read to its end.
-            method: name of the detector.
-            scaled: parameters of the detector that were scaled, by name.
-            verdict: verdict over all estimates.
-            failure: reason why the detector failed; None if it did not.
-        """
-
-    @abstractmethod
-    def abandon(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
-        """Print what came before an error in the file; the arguments are those of `finish`."""
+    def finish(self, outcome: Outcome) -> None:
+        """Print the rest and the summary."""
 
 
 class EstimateTable(EstimatePrinter):
@@ -89,28 +85,10 @@ class EstimateTable(EstimatePrinter):
         if len(self._pending) >= PAGE_ROWS:
             self._flush()
 
-    def finish(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
+    def finish(self, outcome: Outcome) -> None:
         """Print the last page and a summary table."""
         self._flush()
-        self._console.print(_summary_table(file, method, scaled, verdict, failure))
-
-    def abandon(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
-        """Print the last page and a summary of what was read."""
-        self.finish(file, method, scaled, verdict, failure)
+        self._console.print(_summary_table(outcome))
 
     def _flush(self) -> None:
         if not self._pending:
@@ -152,36 +130,20 @@ class EstimateJson(EstimatePrinter):
         self._file.write(self._separator + json.dumps(_estimate_json(estimate)))
         self._separator = ",\n"
 
-    def finish(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
+    def finish(self, outcome: Outcome) -> None:
         """Complete the document and print it."""
         tail = {
-            **verdict.to_json(),
-            "method": method,
-            "failed": failure,
-            "scaled": dict(scaled),
-            "file": {"name": str(file.path), **_file_json(file)},
+            **outcome.verdict.to_json(),
+            "method": outcome.method,
+            "failed": outcome.failure,
+            "error": outcome.error,
+            "scaled": dict(outcome.scaled),
+            "file": {"name": str(outcome.file.path), **_file_json(outcome.file)},
         }
         self._file.write("\n], " + json.dumps(tail)[1:] + "\n")
         self._file.seek(0)
         shutil.copyfileobj(self._file, self._stream)
         self._stream.flush()
-
-    def abandon(
-        self,
-        file: EventFile,
-        method: str,
-        scaled: Mapping[str, Any],
-        verdict: RecordingVerdict,
-        failure: str | None,
-    ) -> None:
-        """Print nothing: a document is complete or absent."""
 
 
 def _estimate_json(estimate: MotionEstimate) -> dict[str, Any]:
@@ -218,12 +180,22 @@ def _file_json(file: EventFile) -> dict[str, Any]:
     }
 
 
+def file_line(file: EventFile) -> str:
+    """Return one line about a file that was just opened: format, sensor and unit of time."""
+    unit = file.header_fields["time unit"]
+    return f"{file.format}, {_sensor(file)}, times in {unit}"
+
+
+def _sensor(file: EventFile) -> str:
+    return f"{file.width} × {file.height} px, from {file.size_source}"
+
+
 def file_rows(file: EventFile) -> list[tuple[str, str]]:
     """Return the rows of the summary table about the file."""
     found = file.statistics
     rows = [
         ("format", file.format),
-        ("sensor", f"{file.width} × {file.height} px, from {file.size_source}"),
+        ("sensor", _sensor(file)),
         ("events", f"{found.events:,} in {found.span_us * 1e-6:,.3f} s"),
         ("time", f"{found.first_us * 1e-6:,.6f} s to {found.last_us * 1e-6:,.6f} s"),
         ("rate", f"{found.rate_hz * 1e-3:,.1f} kev/s"),
@@ -242,24 +214,22 @@ def file_rows(file: EventFile) -> list[tuple[str, str]]:
     return rows
 
 
-def _summary_table(
-    file: EventFile,
-    method: str,
-    scaled: Mapping[str, Any],
-    verdict: RecordingVerdict,
-    failure: str | None,
-) -> Table:
+def _summary_table(outcome: Outcome) -> Table:
+    file, verdict = outcome.file, outcome.verdict
     table = Table(title=str(file.path), title_justify="left", show_header=False)
     for name, value in file_rows(file):
         table.add_row(name, value)
     for name, value in file.header_fields.items():
         table.add_row(f"header: {name}", value)
     table.add_section()
-    table.add_row("method", method)
-    if scaled:
-        table.add_row("scaled", ", ".join(f"{name} = {value}" for name, value in scaled.items()))
-    if failure:
-        table.add_row("failed", failure)
+    table.add_row("method", outcome.method)
+    if outcome.scaled:
+        scaled = ", ".join(f"{name} = {value}" for name, value in outcome.scaled.items())
+        table.add_row("scaled", scaled)
+    if outcome.failure:
+        table.add_row("failed", outcome.failure)
+    if outcome.error:
+        table.add_row("error", f"This is what was read before: {outcome.error}")
     table.add_row("all steps", verdict.shares_text)
     table.add_row("spans", _spans(verdict))
     word = f"{ARROW.get(verdict.direction, '')} {verdict.word}".lstrip()

@@ -16,7 +16,7 @@ from scenarios.emulate.image_file import IMAGE_ENDINGS, read_image
 from scenarios.emulate.image_names import in_order, numbers_in_names
 from scenarios.emulate.picture_source import Pictures
 from scenarios.emulate.time_file import TimeTable, read_time_file, table_times
-from scenarios.emulate.time_unit import US_PER_UNIT, guess_unit
+from scenarios.emulate.time_unit import guess_unit, in_us
 from scenarios.errors import ScenarioError
 
 TIME_FILES = (
@@ -134,6 +134,6 @@ class ImageFolder(Pictures):
                 "with --times FILE, or give --time-unit if the names contain times."
             )
         unit, reason = guessed
-        times_us = [number * US_PER_UNIT[unit] for number in numbers]
+        times_us = in_us(numbers, unit)
         names = [file.name for file in self._files]
         return own_times(times_us, names, f"names of the images, in {unit} ({reason})")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from flybench.files import read_small_text
 from scenarios.emulate.frame_times import FrameTimes, own_times
-from scenarios.emulate.time_unit import US_PER_UNIT, Unit, guess_unit
+from scenarios.emulate.time_unit import Unit, guess_unit, in_us
 from scenarios.errors import ScenarioError
 
 ALLOWED = (
@@ -105,7 +105,7 @@ def table_times(
                 "or the unit with --time-unit if they are times."
             )
         chosen, reason = guessed
-    times_us = [value * US_PER_UNIT[chosen] for value in table.values]
+    times_us = in_us(table.values, chosen)
     times = own_times(times_us, names, f"{file.name}, in {chosen} ({reason})")
     return replace(times, file=file)
 

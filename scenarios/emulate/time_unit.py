@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from statistics import median_low
-from typing import Literal
+from typing import TypeAlias
 
-Unit = Literal["s", "ms", "us", "ns"]
-US_PER_UNIT: dict[Unit, Fraction] = {
-    "s": Fraction(1_000_000),
-    "ms": Fraction(1000),
-    "us": Fraction(1),
-    "ns": Fraction(1, 1000),
-}
+from formats import UNITS_US, unit_us
+
+Unit: TypeAlias = str
+"""Unit of time, as `formats.unit_us` takes it."""
+
 USUAL_HZ = 100.0
 """Frame rate to which the chosen unit comes closest (assumed). Units differ by 1000, so the chosen
 one gives 3 to 3000 frames per second if any does."""
@@ -30,6 +28,16 @@ are those of frame numbers, of which some may be missing."""
 def rounded(value: float, digits: int) -> str:
     """Return a number with some significant digits, and without an exponent below a million."""
     return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def in_us(values: Sequence[Fraction], unit: Unit) -> list[Fraction]:
+    """Return times in µs.
+
+    Raises:
+        FormatError: there is no such unit.
+    """
+    factor = unit_us(unit)
+    return [value * factor for value in values]
 
 
 def guess_unit(values: Sequence[Fraction], *, in_names: bool) -> tuple[Unit, str] | None:
@@ -49,11 +57,11 @@ def guess_unit(values: Sequence[Fraction], *, in_names: bool) -> tuple[Unit, str
     if whole and in_names and min(steps) < MIN_STEP_IN_NAMES:
         return None
     units: tuple[Unit, ...] = ("ms", "us", "ns") if whole else ("s", "ms", "us")
-    rates = {unit: float(1_000_000 / (step * US_PER_UNIT[unit])) for unit in units}
+    rates = {unit: float(1_000_000 / (step * UNITS_US[unit])) for unit in units}
     first, last = YEARS_2000_TO_2100_US
     low, high = PLAUSIBLE_HZ
     for unit, hz in rates.items():
-        if first <= values[0] * US_PER_UNIT[unit] < last and low <= hz <= high:
+        if first <= values[0] * UNITS_US[unit] < last and low <= hz <= high:
             return unit, "Unix times of this century; --time-unit sets another"
     unit = min(units, key=lambda unit: abs(math.log(rates[unit] / USUAL_HZ)))
     numbers = "whole numbers" if whole else "fractions"

@@ -11,7 +11,8 @@ from pathlib import PurePath
 from typing import Any
 
 from flybench.direction import Direction
-from formats import FORMATS
+from formats import FORMATS, UNITS_US, FormatError, unit_us
+from formats.column_order import check_order
 from scenarios.errors import ScenarioError
 
 RECORDINGS, WINDOWS = "recording", "window"
@@ -20,7 +21,6 @@ RECORDINGS, WINDOWS = "recording", "window"
 _NAME = re.compile(r"[\w.-]+")
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _URL = re.compile(r"(https?://|doi:).+")
-_UNITS = ("s", "ms", "us", "ns")
 _LONGEST_S = 1e9
 """Latest time of a window [s]: no recording lasts 30 years."""
 
@@ -79,6 +79,17 @@ def _is_one_of(names: tuple[str, ...]) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, str) and value in names
 
 
+def _passes(check: Callable[[str], object]) -> Callable[[Any], bool]:
+    def is_valid(value: Any) -> bool:
+        try:
+            check(value)
+        except FormatError:
+            return False
+        return True
+
+    return lambda value: isinstance(value, str) and is_valid(value)
+
+
 _DIRECTIONS = tuple(d.value for d in Direction)
 
 RECORDING_KEYS: Mapping[str, Key] = {
@@ -107,7 +118,16 @@ RECORDING_KEYS: Mapping[str, Key] = {
     ),
     "size": Key(_is_list_of(2), "width and height of the sensor [px]", "[346, 260]"),
     "format": Key(_is_one_of(tuple(FORMATS)), f"one of {', '.join(FORMATS)}", '"aedat4"'),
-    "time_unit": Key(_is_one_of(_UNITS), f"one of {', '.join(_UNITS)}", '"us"'),
+    "time_unit": Key(
+        _passes(unit_us),
+        f"one of {', '.join(UNITS_US)}, with a number before it for times that count steps",
+        '"us" or "1/30s"',
+    ),
+    "columns": Key(
+        _passes(check_order),
+        "the letters t, x, y and p in their order, and - for a column that is not read",
+        '"txyp"',
+    ),
 }
 """Keys of [[recording]], besides its windows."""
 

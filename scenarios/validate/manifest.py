@@ -58,6 +58,7 @@ class Recording:
         size: sensor columns and rows; None: as the file states [px].
         format: format of the file; None: recognise it.
         time_unit: unit of its timestamps; None: as the file states.
+        columns: order of its columns, as `formats.open_events` takes it; None: recognise it.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Recording:
     size: tuple[int, int] | None = None
     format: str | None = None
     time_unit: str | None = None
+    columns: str | None = None
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,7 @@ def _options(recording: Recording) -> dict[str, Any]:
         "size": recording.size,
         "format": recording.format,
         "time_unit": recording.time_unit,
+        "columns": recording.columns,
     }
 
 

@@ -9,9 +9,10 @@ import h5py
 import numpy as np
 import pytest
 
+from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, check_events
 from flybench.memory import MemoryBudgetError
-from formats import FormatError, open_events, read_events, write_events
+from formats import FormatError, open_events, open_writer, read_events, write_events
 from formats.columns import PARSED_DTYPE
 from tests.formats.sample_files import (
     FILE_MAKERS,
@@ -30,7 +31,7 @@ def test_the_parser_and_flybench_have_the_same_event_dtype() -> None:
 
 @pytest.mark.parametrize("name", FILE_MAKERS)
 def test_every_format_is_recognised_under_any_ending(tmp_path: Path, name: str) -> None:
-    events = random_events()
+    events = random_events(3000)
     path = make_file(tmp_path, name, events).rename(tmp_path / "recording.xyz")
     size = SIZE if name in WITHOUT_SIZE else None
     with open_events(path, size=size) as file:
@@ -62,6 +63,27 @@ def test_a_frame_comes_with_the_events_that_reach_its_end(tmp_path: Path) -> Non
         for chunk in file:
             reached = max(reached, int(chunk.events["t"][-1]) if chunk.events.size else reached)
             assert all(frame.end_us <= reached for frame in chunk.frames)
+
+
+@pytest.mark.parametrize("sort_within_us", [0, 1_500_000])
+@pytest.mark.parametrize("rate_hz", [200, 20_000])
+def test_frames_never_overtake_events(tmp_path: Path, rate_hz: int, sort_within_us: int) -> None:
+    events = random_events(2 * rate_hz, last_us=2_000_000)
+    events["x"], events["y"] = events["x"] % 16, events["y"] % 12
+    image = np.zeros((12, 16), np.uint16)
+    with open_writer(tmp_path / "a.aedat4", width=16, height=12) as writer:
+        for k, part in enumerate(np.split(events, np.arange(1, 100) * rate_hz // 50)):
+            writer.write(part)
+            writer.write_frame(ApsFrame(20_000 * k, 20_000 * k + 5000, image))
+    ends_us, frame_us = [], -1
+    with open_events(tmp_path / "a.aedat4", sort_within_us=sort_within_us) as file:
+        chunks = list(file)
+    for chunk in chunks:
+        assert not chunk.events.size or chunk.events["t"][0] >= frame_us
+        ends_us += [frame.end_us for frame in chunk.frames]
+        frame_us = max([frame_us, *ends_us])
+    assert ends_us == [20_000 * k + 5000 for k in range(100)]
+    assert np.array_equal(np.concatenate([chunk.events for chunk in chunks]), events)
 
 
 E = random_events(200)

@@ -1,5 +1,6 @@
 """Restore the order of events in time, or refuse the first that is late."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 
 from flybench.events import Events
 from formats import FormatError, event_order, open_events, read_events
-from formats.columns import PARSED_DTYPE, ReadOptions
+from formats.columns import PARSED_DTYPE, ParsedArray, ParsedFrame, ReadOptions
 from formats.event_order import TimeOrder
+from formats.samples import IMU_DTYPE, ParsedSamples
 from tests.formats.evt3_words import evt3_words
 from tests.formats.sample_files import SIZE, make_file, random_events
 
@@ -32,8 +34,10 @@ def ordered(
     try:
         for part in np.split(at(times), sorted(cuts)):
             for events in order.push(part) if part.size else ():
+                assert isinstance(events, np.ndarray)
                 got += events["t"].tolist()
         for events in order.finish():
+            assert isinstance(events, np.ndarray)
             got += events["t"].tolist()
     except FormatError as error:
         return got, order, str(error)
@@ -51,6 +55,44 @@ def test_a_late_event_is_refused_after_those_before_it() -> None:
 def test_events_within_the_window_are_sorted_and_counted() -> None:
     got, order, error = ordered([1, 9, 5, 7, 20, 12, 30], [2, 5], window_us=8)
     assert (got, order.sorted, order.dropped, error) == ([1, 5, 7, 9, 12, 20, 30], 3, 0, "")
+
+
+def in_words(items: Iterable[ParsedArray]) -> list[int | str]:
+    words: list[int | str] = []
+    for item in items:
+        if isinstance(item, ParsedFrame):
+            words.append(f"frame {item.start_us}")
+        elif isinstance(item, ParsedSamples):
+            words.append("samples")
+        else:
+            words += item["t"].tolist()
+    return words
+
+
+def test_frames_and_samples_wait_for_the_events_that_are_held() -> None:
+    order = TimeOrder(PATH, ReadOptions(sort_within_us=10))
+    image, samples = np.zeros((2, 2), np.uint16), ParsedSamples(np.zeros(1, IMU_DTYPE))
+    got = in_words(order.push_other(ParsedFrame(0, 1, image)))
+    got += in_words(order.push(at([2, 6, 5])))
+    got += in_words(order.push_other(ParsedFrame(3, 6, image)))
+    got += in_words(order.push_other(samples))
+    assert got == ["frame 0"]
+    got += in_words(order.push(at([9, 4, 25])))
+    got += in_words(order.push_other(ParsedFrame(20, 25, image)))
+    assert got == ["frame 0", 2, 4, 5, 6, "frame 3", "samples", 9]
+    assert in_words(order.finish()) == [25, "frame 20"]
+
+
+def test_more_frames_than_fit_into_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(event_order, "_WAITING_MAX_BYTES", 15)
+    order, image = TimeOrder(PATH, ReadOptions(sort_within_us=10)), np.zeros((2, 2), np.uint16)
+    list(order.push(at([0])))
+    for start_us in (1, 30, 60):
+        list(order.push_other(ParsedFrame(start_us, start_us, image)))
+        list(order.push(at([start_us + 20])))
+    list(order.push_other(ParsedFrame(81, 81, image)))
+    with pytest.raises(FormatError, match=r"MB of frames within 0\.01 ms.*shorter time"):
+        list(order.push_other(ParsedFrame(82, 82, image)))
 
 
 def test_an_event_later_than_the_window_is_refused_after_those_before_it() -> None:

@@ -42,7 +42,7 @@ def chosen(times: Any, stated: str | None = None) -> tuple[str, str]:
         (US[:0], "us"),
         (US[:1], "us"),
         (np.zeros(1000, np.int64), "us"),
-        (np.arange(1000) * 1000, "us"),  # the same intervals everywhere: not of a camera
+        (np.arange(1000) * 50, "us"),  # the same intervals everywhere: not of a camera
         (np.array([0.0, 1e6, 5e6]), "us"),
         (np.array([0.5, 1e6, 5e6]), "s"),
     ],
@@ -57,6 +57,8 @@ def test_values_decide_the_unit_without_a_warning(times: Any, unit: str) -> None
         (STEPS * 1000, "us", "multiples of 1000.*--time-unit: ns"),
         (STEPS / 1000, "s", "three decimals.*--time-unit: ms"),
         (np.repeat(np.arange(300), 50), "us", "count up from 0 or 1.*--time-unit: .*1/30s"),
+        (US * 1999, "us", "gives 20 events.*In ns there would be 20,0.*--time-unit ns"),
+        (US * 10, "us", "gives 4,000 events per second.*--time-unit ns"),
         (US * 10**11, "us", "read in µs.*events per second.*--time-unit"),
     ],
 )

@@ -34,6 +34,13 @@ def emulate(source: Path, out: Path, **options: Any) -> Events:
     return read_events(out)
 
 
+def test_a_wrong_unit_is_refused_even_if_it_is_not_used(
+    array: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(Emulate(array, tmp_path / "a.npz", fps=1000.0, time_unit="min")) == 2
+    assert "Allowed is one of s, ms, us, ns" in capsys.readouterr().err
+
+
 def test_events_are_those_of_the_sensor(array: Path, tmp_path: Path) -> None:
     found = emulate(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor="v2e_noisy", seed=3)
     sensor = EventSensor(preset("v2e_noisy"), seed=3)

@@ -70,6 +70,15 @@ def test_frame_numbers_are_no_times(tmp_path: Path, names: list[str]) -> None:
     assert levels(folder, TimeOptions(fps=100.0)) == list(range(len(names)))
 
 
+def test_a_unit_may_be_the_step_of_frame_numbers(tmp_path: Path) -> None:
+    folder = images(tmp_path / "a", ["000.png", "001.png", "004.png"])
+    times = open_pictures(folder, TimeOptions(unit="1/30s")).times
+    assert times.t_us.tolist() == [0, 33_333, 133_333]
+    (folder / "timestamps.txt").write_text("0\n3\n4\n")
+    times = open_pictures(folder, TimeOptions(unit="33.3ms")).times
+    assert times.t_us.tolist() == [0, 99_900, 133_200]
+
+
 def test_a_stated_unit_makes_numbers_times(tmp_path: Path) -> None:
     folder = images(tmp_path / "a", [f"{k}.png" for k in (0, 33, 67, 100)])
     times = open_pictures(folder, TimeOptions(unit="ms")).times

@@ -21,13 +21,17 @@ def test_a_manifest_holds_recordings_and_windows(tmp_path: Path) -> None:
     window = {"from_s": 0.06, "to_s": 0.21, "direction": "left", "crop": [1, 2, 30, 40]}
     path = write_manifest(
         tmp_path / "m.toml",
-        (entry("a", "data/a.npz", SHA, size=[346, 260], conditions="rain"), [window]),
+        (
+            entry("a", "data/a.npz", SHA, size=[346, 260], time_unit="1/30s", columns="t-xyp"),
+            [window],
+        ),
         (entry("b", "b.raw", SHA, url="https://example.org/b"), [{"direction": "none"}]),
     )
     manifest = read_manifest(path)
     first, second = manifest.recordings
     assert first.windows == (Window(Direction.LEFT, 60_000, 210_000, (1, 2, 30, 40)),)
-    assert (first.size, first.conditions, first.url) == ((346, 260), "rain", None)
+    assert (first.size, first.url) == ((346, 260), None)
+    assert (first.time_unit, first.columns) == ("1/30s", "t-xyp")
     assert second.windows == (Window(Direction.NONE),)
     assert [r.name for r in manifest.select(["b"]).recordings] == ["b"]
     assert manifest.select([]) == manifest
@@ -54,6 +58,8 @@ TIMES = {**RIGHT, "from_s": 0.2}
         ({"size": [346]}, [RIGHT], "size is [346]. Allowed is width and height"),
         ({"format": "avi"}, [RIGHT], "format is 'avi'. Allowed is one of "),
         ({"time_unit": "min"}, [RIGHT], "time_unit is 'min'. Allowed is one of s, ms, us, ns"),
+        ({"time_unit": 33}, [RIGHT], "time_unit is 33. Allowed is one of s, ms, us, ns"),
+        ({"columns": "txy"}, [RIGHT], "columns is 'txy'. Allowed is the letters t, x, y and p"),
         ({"window": 3}, [], "(a) has window = 3. Allowed is one table or more"),
         ({}, [], "(a) has no window. Allowed is one table or more. Write [[recording.window]]"),
         ({}, [{}], "(a), window 1 has no direction. Every one needs it: one of right"),

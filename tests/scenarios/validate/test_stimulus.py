@@ -1,5 +1,6 @@
 """Windows of recordings: their events and frames, in time and place."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,16 @@ def test_a_window_holds_the_events_and_frames_of_its_time(tmp_path: Path) -> Non
     assert [(f.start_us, f.end_us) for f in first.frames] == [(10_000, 15_000), (60_000, 65_000)]
     assert [(f.start_us, f.end_us) for f in second.frames] == [(0, 5000), (50_000, 55_000)]
     assert second.events["x"].tolist() == list(range(60, 115))
+
+
+def test_a_recording_may_state_its_unit_and_columns(tmp_path: Path) -> None:
+    rows = [[1, x % 2, 5, x, x] for x in range(200)]
+    np.savetxt(tmp_path / "a.txt", rows, fmt="%d")
+    made = Recording("made", "a.txt", "", "", "", (Window(Direction.NONE),), size=(WIDTH, HEIGHT))
+    stated = replace(made, time_unit="1/100s", columns="-pyxt")
+    (found,) = read_stimuli(stated, tmp_path / "a.txt")
+    assert found.events["t"].tolist() == list(range(0, 2_000_000, 10_000))
+    assert found.events["x"].tolist() == list(range(200))
 
 
 def test_a_frame_that_leaves_the_window_does_not_count(tmp_path: Path) -> None:
