@@ -6,7 +6,7 @@ import pytest
 
 from tests.repeatability.__main__ import fresh_digest
 
-PROCESSES = 3
+PROCESSES = 4
 
 
 @pytest.mark.parametrize("name", ["day-1.21", "day-1.9-shake"])
