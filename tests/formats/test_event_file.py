@@ -357,6 +357,7 @@ def test_more_events_than_fit_into_memory_are_refused(
     path = tmp_path / "many.npz"
     write_events(path, [np.zeros(100_000, EVENT_DTYPE)], width=4, height=4)
     monkeypatch.setattr("flybench.memory._counted", {})
+    monkeypatch.setattr("flybench.memory._counted", {})
     monkeypatch.setenv("FLYBENCH_MEMORY_GB", "0.001")
     with pytest.raises(MemoryBudgetError, match="The list of the first 100000 events"):
         read_events(path)

@@ -109,6 +109,7 @@ def test_a_window_may_end_up_to_1_ms_after_the_last_event(tmp_path: Path) -> Non
 def test_more_than_the_memory_budget_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frames: int, budget_gb: str
 ) -> None:
+    monkeypatch.setattr("flybench.memory._counted", {})
     monkeypatch.setenv(VARIABLE, budget_gb)
     windows = [Window(Direction.UP)] * (4 if frames else 1)
     with pytest.raises(MemoryBudgetError, match="the windows of made needs"):
