@@ -123,5 +123,6 @@ def population_estimate(
 
 def sum_to_noise(opponent: F64) -> float:
     """Return |Σd| / √Σd² of the opponent responses d of cells; 0 if none responds."""
-    power = float(np.sum(opponent**2))
-    return abs(float(opponent.sum())) / math.sqrt(power) if power > 0.0 else 0.0
+    d = opponent.ravel()
+    power = float(d @ d)
+    return abs(float(d.sum())) / math.sqrt(power) if power > 0.0 else 0.0

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from detector.decision import clip_to_open_interval
+from detector.decision import clip_to_open_interval, sum_to_noise
 from detector.fly.correlation import DOWN, LEFT, RIGHT, UP
 
 DirectionSums = tuple[float, float, float, float]
@@ -65,12 +65,7 @@ def signal_to_noise(
     """
     cells = np.flatnonzero(attended)
     right, left, up, down = maps.reshape(4, -1)[:, cells].astype(np.float64)
-    return _ratio(right - left), _ratio(down - up)
-
-
-def _ratio(opponent: npt.NDArray[np.float64]) -> float:
-    power = float(opponent @ opponent)
-    return abs(float(opponent.sum())) / math.sqrt(power) if power > 0.0 else 0.0
+    return sum_to_noise(right - left), sum_to_noise(down - up)
 
 
 def normalise(response: float, *, cells: int, scale: float) -> float:
