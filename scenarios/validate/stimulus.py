@@ -33,7 +33,7 @@ class Stimulus:
 
     Attributes:
         events: events sorted by time; times are from the start of the window.
-        frames: APS frames whose exposure lies in the window; likewise in its time.
+        frames: APS frames whose exposure lies in the window, with times from its start.
         width: columns of the sensor, or of the crop [px].
         height: rows of the sensor, or of the crop [px].
         duration_us: duration of the window [µs].
