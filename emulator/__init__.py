@@ -13,7 +13,7 @@ from emulator.config import SensorConfig
 from emulator.errors import EmulatorError, FitError, FrameError, SensorConfigError
 from emulator.grey_levels import luminance_of
 from emulator.presets import preset
-from emulator.readout.config import ReadoutConfig, ReadoutKind
+from emulator.readout.config import Lines, ReadoutConfig, ReadoutKind
 from emulator.readout.stats import ReadoutStats
 from emulator.sensor import Davis346, EventSensor, SensorOutput
 from flybench.errors import EventError

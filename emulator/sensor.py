@@ -265,7 +265,6 @@ def _make_readout(config: SensorConfig) -> Arbiter | FixedLatency | Scan:
     return Arbiter(
         width=config.width,
         height=config.height,
-        limit_hz=readout.limit_hz,
-        latency_us=readout.latency_us,
+        config=readout,
         refractory_us=config.refractory_us,
     )

@@ -1,12 +1,12 @@
-"""The row arbiter: all events leave the chip over one bus, row by row.
+"""The arbiter: all events leave the chip over one bus, line by line.
 
-A pixel that fires requests its row. The arbiter grants the rows in turn, starting after the row
-granted last, or from the top after a pause (assumed). The bus then carries the address of the row
-and the columns of all pixels that request in it, word by word, and the events of the row get one
-time stamp (Boahen, IEEE TCAS-II 47(5), 2000; the maker's documentation: about 12 million events
-per second for the DAVIS346). Requests that wait are delayed. A pixel can wait with one event only,
-and stays in reset until its refractory period has passed after the grant; events that it would
-have fired in the meantime are lost.
+A pixel that fires requests its line, a row or a column of the image. The arbiter chooses one of the
+lines that wait (`emulator.readout.arbiter_tree`). The bus then carries the address of the line and
+the places of all pixels that request in it, word by word, and the events of the line get one time
+stamp (Boahen, IEEE TCAS-II 47(5), 2000; the maker's documentation: about 12 million events per
+second for the DAVIS346). Requests that wait are delayed. A pixel can wait with one event only, and
+stays in reset until its refractory period has passed after the grant; events that it would have
+fired in the meantime are lost.
 
 Times are whole picoseconds from the first sample, so that precision does not fall with time.
 Events that are not granted within their step are carried over to a later one.
@@ -26,30 +26,37 @@ from emulator.readout.arbiter_queue import (
     larger_queue,
 )
 from emulator.readout.arbitration import DELAYED, DROPPED, LONGEST_DELAY, Bus, arbitrate
+from emulator.readout.config import Lines, ReadoutConfig, ReadoutKind
 from emulator.readout.event_keys import Keys
 from emulator.readout.latency import FixedLatency
 from emulator.readout.stats import ReadoutStats
 
 
 class Arbiter:
-    """Reads the events of a sensor row by row, step by step.
+    """Reads the events of a sensor line by line, step by step.
 
     Args:
         width: columns of the sensor [px].
         height: rows of the sensor [px].
-        limit_hz: words per second that the bus carries [Hz].
-        latency_us: time from a grant to its time stamp [µs].
+        config: the readout; its kind is not `SCAN`.
         refractory_us: refractory period of the pixels [µs].
     """
 
-    def __init__(
-        self, *, width: int, height: int, limit_hz: float, latency_us: int, refractory_us: int
-    ):
-        self._bus = Bus(width, max(1, round(1e12 / limit_hz)), refractory_us)
-        self._latency_us = latency_us
-        self._queue = empty_queue(width * height, height)
+    def __init__(self, *, width: int, height: int, config: ReadoutConfig, refractory_us: int):
+        by_columns = config.lines is Lines.COLUMNS
+        word_ps = max(1, round(1e12 / config.limit_hz))
+        self._bus = Bus(
+            width=width,
+            by_columns=by_columns,
+            in_turn=config.kind is ReadoutKind.ROUND_ROBIN,
+            word_ps=word_ps,
+            line_ps=config.line_words * word_ps,
+            refractory_us=refractory_us,
+        )
+        self._latency_us = config.latency_us
+        self._queue = empty_queue(width * height, width if by_columns else height)
         self._granted = np.empty(INITIAL_SLOTS, np.int64)
-        self._latency = FixedLatency(latency_us)
+        self._latency = FixedLatency(config.latency_us)
 
     def read_out(self, keys: Keys, *, from_us: int, to_us: int) -> tuple[Keys, ReadoutStats]:
         """Read the events of one step out.

@@ -1,4 +1,4 @@
-"""The queue of the row arbiter: which pixels request, and which are held in reset."""
+"""The queue of the arbiter: which pixels request, and which are held in reset."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ONE = np.uint64(1)
 NONE = -1
 FREE, WAITS, HELD = np.uint8(0), np.uint8(1), np.uint8(2)
 
-BUS_FREE_PS, LAST_ROW, PENDING, VACANT, SLOTS, HELD_FIRST, HELD_LAST = range(7)
+BUS_FREE_PS, LAST_LINE, SECOND, PENDING, VACANT, SLOTS, HELD_FIRST, HELD_LAST = range(8)
 """Positions in `Queue.marks`."""
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -31,20 +31,23 @@ class Queue(NamedTuple):
 
     Attributes:
         waits: (pixels,) state of each pixel: free, waiting, or held in reset.
-        rows: (rows / 64,) bit set of the rows with requests.
-        head: (rows,) first slot of the requests of each row, −1 for none.
-        link: (slots,) next slot of the same row, or next vacant slot, −1 for none.
+        lines: (lines / 64,) bit set of the lines with requests.
+        tree: (2·leaves,) request time of each node of the tree of arbiters, −1 for none [ps]; see
+            `emulator.readout.arbiter_tree`.
+        head: (lines,) first slot of the requests of each line, −1 for none.
+        link: (slots,) next slot of the same line, or next vacant slot, −1 for none.
         key: (slots,) pixel and mark of a request, as in a key.
         since_us: (slots,) time at which the pixel fired [µs].
         release_us: (slots,) times at which held pixels are released, sorted [µs].
         release_pixel: (slots,) those pixels.
-        marks: (7,) time until which the bus is busy [ps], row granted last, number of pending
-            requests, first vacant slot, number of slots in use so far, position of the next
-            release, end of the releases.
+        marks: (8,) time until which the bus is busy [ps], line granted last, levels of the tree
+            at which that is the second side of a visit, number of pending requests, first vacant
+            slot, number of slots in use so far, position of the next release, end of the releases.
     """
 
     waits: npt.NDArray[np.uint8]
-    rows: npt.NDArray[np.uint64]
+    lines: npt.NDArray[np.uint64]
+    tree: Longs
     head: Ints
     link: Ints
     key: Longs
@@ -55,8 +58,8 @@ class Queue(NamedTuple):
 
 
 @compiled
-def request(queue: Queue, key: int, at_us: int, row: int) -> None:
-    """Add the request of a pixel that has fired to its row."""
+def request(queue: Queue, key: int, at_us: int, line: int) -> None:
+    """Add the request of a pixel that has fired to its line."""
     marks = queue.marks
     slot = marks[VACANT]
     if slot == NONE:
@@ -66,23 +69,23 @@ def request(queue: Queue, key: int, at_us: int, row: int) -> None:
         marks[VACANT] = queue.link[slot]
     queue.key[slot] = key
     queue.since_us[slot] = at_us
-    queue.link[slot] = queue.head[row]
-    queue.head[row] = slot
-    queue.rows[row // BITS] |= ONE << np.uint64(row % BITS)
+    queue.link[slot] = queue.head[line]
+    queue.head[line] = slot
+    queue.lines[line // BITS] |= ONE << np.uint64(line % BITS)
     marks[PENDING] += 1
 
 
 @compiled
-def next_row(rows: npt.NDArray[np.uint64], last: int) -> int:
-    """Return the first row with requests after `last`, cyclically; there must be one."""
+def next_in_turn(lines: npt.NDArray[np.uint64], last: int) -> int:
+    """Return the first line with requests after `last`, cyclically; there must be one."""
     start = last + 1
     word = start // BITS
     bits = np.uint64(0)
-    if word < rows.size:
-        bits = (rows[word] >> np.uint64(start % BITS)) << np.uint64(start % BITS)
+    if word < lines.size:
+        bits = (lines[word] >> np.uint64(start % BITS)) << np.uint64(start % BITS)
     while bits == 0:
-        word = word + 1 if word + 1 < rows.size else 0
-        bits = rows[word]
+        word = word + 1 if word + 1 < lines.size else 0
+        bits = lines[word]
     return word * BITS + int(lowest_bit(bits))
 
 
@@ -98,14 +101,15 @@ def release_pixels(queue: Queue, until_us: int) -> None:
         marks[HELD_FIRST] += 1
 
 
-def empty_queue(pixels: int, rows: int) -> Queue:
-    """Return the queue of a sensor of this many pixels and rows, without requests."""
-    marks = np.zeros(7, np.int64)
-    marks[LAST_ROW] = marks[VACANT] = NONE
+def empty_queue(pixels: int, lines: int) -> Queue:
+    """Return the queue of a sensor of this many pixels and lines, without requests."""
+    marks = np.zeros(8, np.int64)
+    marks[LAST_LINE] = marks[VACANT] = NONE
     return Queue(
         waits=np.zeros(pixels, np.uint8),
-        rows=np.zeros(-(-rows // BITS), np.uint64),
-        head=np.full(rows, NONE, np.int32),
+        lines=np.zeros(-(-lines // BITS), np.uint64),
+        tree=np.full(2 << (lines - 1).bit_length(), NONE, np.int64),
+        head=np.full(lines, NONE, np.int32),
         link=np.empty(INITIAL_SLOTS, np.int32),
         key=np.empty(INITIAL_SLOTS, np.int64),
         since_us=np.empty(INITIAL_SLOTS, np.int64),

@@ -1,4 +1,4 @@
-"""The kernels of the row arbiter; see `emulator.readout.arbiter`."""
+"""The kernels of the arbiter; see `emulator.readout.arbiter`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from emulator.readout.arbiter_queue import (
     HELD,
     HELD_FIRST,
     HELD_LAST,
-    LAST_ROW,
+    LAST_LINE,
     NONE,
     ONE,
     PENDING,
@@ -21,10 +21,11 @@ from emulator.readout.arbiter_queue import (
     WAITS,
     Longs,
     Queue,
-    next_row,
+    next_in_turn,
     release_pixels,
     request,
 )
+from emulator.readout.arbiter_tree import hand_up, next_in_tree, request_line
 from emulator.readout.event_keys import LOW_BITS, PIXEL_MASK, TIME_SHIFT, Keys
 from flybench.kernels import compiled
 
@@ -39,30 +40,36 @@ class Bus(NamedTuple):
 
     Attributes:
         width: columns of the sensor [px].
+        by_columns: True if the lines are the columns of the image, False if its rows.
+        in_turn: True to grant the lines in their order, False to ask the tree.
         word_ps: time that one word takes on the bus [ps].
+        line_ps: time to choose a line and to send its address [ps].
         refractory_us: refractory period of the pixels [µs].
     """
 
     width: int
+    by_columns: bool
+    in_turn: bool
     word_ps: int
+    line_ps: int
     refractory_us: int
 
 
 @compiled
 def grant(
     queue: Queue,
-    row: int,
+    line: int,
     stamp_us: int,
     refractory_us: int,
     granted: Keys,
     count: int,
     tally: Longs,
 ) -> int:
-    """Read a row out; a pixel that has waited is held until its reset is over.
+    """Read a line out; a pixel that has waited is held until its reset is over.
 
     Args:
         queue: state of the arbiter; changed in place.
-        row: the row.
+        line: the line.
         stamp_us: time of the grant [µs from the first sample].
         refractory_us: refractory period of the pixels [µs].
         granted: output array; the keys get no time yet.
@@ -72,7 +79,7 @@ def grant(
     Returns:
         Number of entries of `granted` then in use.
     """
-    marks, slot = queue.marks, np.int64(queue.head[row])
+    marks, slot = queue.marks, np.int64(queue.head[line])
     while slot != NONE:
         pixel = (queue.key[slot] >> 3) & PIXEL_MASK
         delay_us = stamp_us - queue.since_us[slot]
@@ -91,8 +98,9 @@ def grant(
         marks[VACANT] = slot
         marks[PENDING] -= 1
         slot = following
-    queue.head[row] = NONE
-    queue.rows[row // BITS] &= ~(ONE << np.uint64(row % BITS))
+    queue.head[line] = NONE
+    queue.lines[line // BITS] &= ~(ONE << np.uint64(line % BITS))
+    queue.tree[queue.tree.size // 2 + line] = NONE
     return count
 
 
@@ -106,7 +114,7 @@ def pass_uncontended(
         keys: (n,) events of the step, sorted.
         from_us: start of the step [µs from the first sample].
         bus_free_ps: time until which the bus is busy [ps].
-        few: number of events that the bus carries within 1 µs even if each is in its own row.
+        few: number of events that the bus carries within 1 µs even if each is in its own line.
         granted: output array for keys.
         taken: first event to look at.
         count: number of entries of `granted` in use.
@@ -131,7 +139,7 @@ def pass_uncontended(
 @compiled
 def enter_requests(
     queue: Queue,
-    width: int,
+    bus: Bus,
     keys: Keys,
     taken: int,
     from_us: int,
@@ -148,7 +156,9 @@ def enter_requests(
         pixel = low >> 3
         if queue.waits[pixel] == FREE:
             queue.waits[pixel] = WAITS
-            request(queue, low, at_us, pixel // width)
+            line = pixel % bus.width if bus.by_columns else pixel // bus.width
+            request(queue, low, at_us, line)
+            request_line(queue.tree, line, at_us * PS_PER_US)
         else:
             tally[DROPPED] += 1
         taken += 1
@@ -175,11 +185,12 @@ def arbitrate(
     """
     marks = queue.marks
     bus_ps, end_ps = marks[BUS_FREE_PS], (to_us + 1) * PS_PER_US
-    few = PS_PER_US // (2 * bus.word_ps)
+    few = PS_PER_US // (bus.line_ps + bus.word_ps)
     taken = count = 0
     while True:
         if marks[PENDING] == 0:
-            marks[LAST_ROW] = NONE
+            hand_up(queue.tree, marks, bus_ps)
+            marks[LAST_LINE] = NONE
             if marks[HELD_FIRST] == marks[HELD_LAST]:
                 passed = pass_uncontended(keys, from_us, bus_ps, few, granted, taken, count)
                 count += passed - taken
@@ -187,18 +198,21 @@ def arbitrate(
             if taken == keys.size:
                 break
             bus_ps = max(bus_ps, (from_us + (keys[taken] >> TIME_SHIFT)) * PS_PER_US)
-        taken = enter_requests(queue, bus.width, keys, taken, from_us, bus_ps, tally)
+        taken = enter_requests(queue, bus, keys, taken, from_us, bus_ps, tally)
         if marks[PENDING] == 0:
             continue
         if bus_ps >= end_ps:
             break
-        row = next_row(queue.rows, marks[LAST_ROW])
+        if bus.in_turn:
+            line = next_in_turn(queue.lines, marks[LAST_LINE])
+        else:
+            line = next_in_tree(queue.tree, marks, bus_ps)
         stamp_us = bus_ps // PS_PER_US
         before = count
-        count = grant(queue, row, stamp_us, bus.refractory_us, granted, count, tally)
+        count = grant(queue, line, stamp_us, bus.refractory_us, granted, count, tally)
         for k in range(before, count):
             granted[k] |= (stamp_us - from_us) << TIME_SHIFT
-        bus_ps += (1 + count - before) * bus.word_ps
-        marks[LAST_ROW] = row
+        bus_ps += bus.line_ps + (count - before) * bus.word_ps
+        marks[LAST_LINE] = line
     marks[BUS_FREE_PS] = bus_ps
     return count

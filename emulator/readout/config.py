@@ -13,6 +13,7 @@ UNLIMITED_HZ = 1e12
 
 _RANGES = {
     "limit_hz": Range(1.0, UNLIMITED_HZ, remedy="Use 1e12 for an unlimited bus."),
+    "line_words": Range(0, 1000, remedy="Give a whole number of words, such as 2."),
     "latency_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 1."),
     "scan_period_us": Range(1, 1_000_000, remedy="Give whole microseconds, such as 194."),
 }
@@ -21,13 +22,23 @@ _RANGES = {
 class ReadoutKind(StrEnum):
     """How a chip reads its events out.
 
-    ROW_ARBITER: the pixels request, and an arbiter grants one row after another (DVS128, DAVIS,
-        Prophesee's chips).
+    ROW_ARBITER: the pixels request, and a tree of arbiters grants one row after another (DVS128,
+        DAVIS, Prophesee's chips).
+    ROUND_ROBIN: the same bus, but the rows are granted in their order, each after the one above it
+        (flybench's arbiter until November 2026, kept for comparisons; no real chip is known).
     SCAN: the chip reads the whole array at a fixed period (Samsung's chips, as in the DVXplorer).
     """
 
     ROW_ARBITER = "row_arbiter"
+    ROUND_ROBIN = "round_robin"
     SCAN = "scan"
+
+
+class Lines(StrEnum):
+    """Which lines of the image are the rows of the chip that its arbiter chooses between."""
+
+    ROWS = "rows"
+    COLUMNS = "columns"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +47,16 @@ class ReadoutConfig:
 
     Attributes:
         kind: how the events are read out.
-        limit_hz: words per second on the bus of the row arbiter [Hz]: one word for each event, and
-            one for each row that is read (the maker's documentation: about 12 million events per
-            second). A scan does not use it.
+        lines: which lines of the image the arbiter chooses between. A scan does not use it. The
+            DAVIS346 is mounted on its side: its driver exchanges x and y (libcaer, "invertXY"), and
+            in a recording of one at 4 Mev/s the order of the columns is that of a tree of arbiters,
+            while that of the rows is not (see the emulator's README).
+        limit_hz: words per second on the bus [Hz]: one word for each event, and `line_words` for
+            each line that is read (the maker's documentation: about 12 million events per second).
+            A scan does not use it.
+        line_words: time to choose a line and to send its address, in words. In a recording of a
+            DAVIS346 whose bus is busy all the time, a line with one event takes 0.243 µs: 2.9 words
+            of 1/12 µs, of which the event is one. A scan does not use it.
         latency_us: time from the moment an event is read until its time stamp [µs] (assumed: less
             than 1).
         scan_period_us: period of the scan [µs]; the row arbiter does not use it. The default is
@@ -51,13 +69,17 @@ class ReadoutConfig:
     """
 
     kind: ReadoutKind = ReadoutKind.ROW_ARBITER
+    lines: Lines = Lines.COLUMNS
     limit_hz: float = 12e6
+    line_words: int = 2
     latency_us: int = 0
     scan_period_us: int = 194
 
     def __post_init__(self) -> None:
         kind = member(ReadoutKind, "kind", self.kind, SensorConfigError)
         object.__setattr__(self, "kind", kind)
+        lines = member(Lines, "lines", self.lines, SensorConfigError)
+        object.__setattr__(self, "lines", lines)
         check_ranges(self, _RANGES, SensorConfigError)
 
 

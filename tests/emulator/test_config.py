@@ -79,7 +79,9 @@ def test_a_configuration_cannot_be_changed() -> None:
         ({"limit_hz": 0.0}, "limit_hz is 0.0. Allowed is a number from 1 to 1e"),
         ({"latency_us": 0.5}, "latency_us is 0.5. Allowed is a whole number"),
         ({"scan_period_us": 0}, "scan_period_us is 0. Allowed is a whole number from 1"),
-        ({"kind": "frame"}, "kind is 'frame'. Allowed is one of row_arbiter, scan"),
+        ({"kind": "frame"}, "kind is 'frame'. Allowed is one of row_arbiter, round_robin, scan"),
+        ({"lines": "x"}, "lines is 'x'. Allowed is one of rows, columns"),
+        ({"line_words": 1.5}, "line_words is 1.5. Allowed is a whole number"),
     ],
 )
 def test_a_readout_value_out_of_range_is_named_in_the_message(

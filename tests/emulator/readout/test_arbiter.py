@@ -1,4 +1,5 @@
-from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import asdict
 from itertools import pairwise
 from typing import Any
 
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 
 from emulator import EventSensor, SensorConfig
 from emulator.readout.arbiter import Arbiter
+from emulator.readout.arbiter_tree import either
 from emulator.readout.arbitration import PS_PER_US
-from emulator.readout.config import UNLIMITED, ReadoutConfig
+from emulator.readout.config import UNLIMITED, Lines, ReadoutConfig, ReadoutKind
 from emulator.readout.event_keys import TIME_SHIFT
 from emulator.readout.stats import ReadoutStats
 from flybench.events import check_events
@@ -40,9 +42,11 @@ def events_of(keys: Keys, from_us: int = 0) -> list[Event]:
 
 
 def run_arbiter(
-    events: list[Event], bounds: list[int], **options: Any
+    events: list[Event], bounds: list[int], *, refractory_us: int, **readout: Any
 ) -> tuple[list[Event], list[ReadoutStats]]:
-    arbiter = Arbiter(width=WIDTH, height=HEIGHT, **options)
+    arbiter = Arbiter(
+        width=WIDTH, height=HEIGHT, config=ReadoutConfig(**readout), refractory_us=refractory_us
+    )
     out: list[Event] = []
     readouts = []
     for a, b in pairwise(bounds):
@@ -56,36 +60,107 @@ def run_arbiter(
     return out, readouts
 
 
-def reference(events: list[Event], *, word_ps: int, refractory_us: int) -> tuple[list[Event], int]:
+class InTurn:
+    """Grants the lines in their order."""
+
+    def __init__(self) -> None:
+        self.last = -1
+
+    def request(self, line: int, at_ps: int) -> None:
+        pass
+
+    def rest(self) -> None:
+        self.last = -1
+
+    def choose(self, waiting: set[int], now_ps: int) -> int:
+        self.last = next((line for line in sorted(waiting) if line > self.last), min(waiting))
+        return self.last
+
+
+class Tree:
+    """The tree of arbiters as a recursion: a visit to a node is a generator of lines."""
+
+    def __init__(self, leaves: int) -> None:
+        self.leaves = leaves
+        self.since: dict[int, int] = {}
+        self.waiting: set[int] = set()
+        self.now_ps = 0
+        self.rest()
+
+    def request(self, line: int, at_ps: int) -> None:
+        node = self.leaves + line
+        while node > 0:
+            self.since.setdefault(node, at_ps)
+            node //= 2
+
+    def rest(self) -> None:
+        self.since.clear()
+        self.grants = self.visit(1)
+
+    def choose(self, waiting: set[int], now_ps: int) -> int:
+        self.waiting, self.now_ps = waiting, now_ps
+        line = next(self.grants, None)
+        if line is None:
+            self.grants = self.visit(1)
+            line = next(self.grants)
+        return line
+
+    def waits(self, node: int) -> bool:
+        if node >= self.leaves:
+            return node - self.leaves in self.waiting
+        return self.waits(2 * node) or self.waits(2 * node + 1)
+
+    def visit(self, node: int) -> Iterator[int]:
+        if node >= self.leaves:
+            del self.since[node]
+            yield node - self.leaves
+            return
+        left, right = 2 * node, 2 * node + 1
+        sides = [side for side in (left, right) if self.waits(side)]
+        if len(sides) == 2 and self.since[left] == self.since[right]:
+            sides = sides if either(node, self.now_ps) == 0 else sides[::-1]
+        first, *_ = sorted(sides, key=lambda side: self.since[side])
+        yield from self.visit(first)
+        if self.waits(first ^ 1):
+            yield from self.visit(first ^ 1)
+        del self.since[node]
+        if self.waits(node):
+            self.since[node] = self.now_ps
+
+
+def reference(
+    events: list[Event], config: ReadoutConfig, refractory_us: int
+) -> tuple[list[Event], int]:
     """Run the arbiter in plain Python over a whole sequence, without steps."""
-    waiting: dict[int, dict[int, int]] = defaultdict(dict)
+    word_ps = round(1e12 / config.limit_hz)
+    arbiter = InTurn() if config.kind is ReadoutKind.ROUND_ROBIN else Tree(16)
+    waiting: dict[int, dict[int, int]] = {}
     busy_until: dict[int, int] = {}
     queue = sorted(events)
     out: list[Event] = []
-    bus, last, dropped = 0, -1, 0
-    while queue or any(waiting.values()):
-        if not any(waiting.values()):
-            last = -1
+    bus, dropped = 0, 0
+    while queue or waiting:
+        if not waiting:
+            arbiter.rest()
             bus = max(bus, queue[0][0] * PS_PER_US)
         while queue and queue[0][0] * PS_PER_US <= bus:
             t, pixel = queue.pop(0)
-            held = t < busy_until.get(pixel, -1)
-            if held or pixel in waiting[pixel // WIDTH]:
+            line = pixel % WIDTH if config.lines is Lines.COLUMNS else pixel // WIDTH
+            if t < busy_until.get(pixel, -1) or pixel in waiting.get(line, {}):
                 dropped += 1
-            else:
-                waiting[pixel // WIDTH][pixel] = t
-        rows = sorted(row for row, pixels in waiting.items() if pixels)
-        if not rows:
+                continue
+            if line not in waiting:
+                arbiter.request(line, t * PS_PER_US)
+            waiting.setdefault(line, {})[pixel] = t
+        if not waiting:
             continue
-        row = next((row for row in rows if row > last), rows[0])
+        served = waiting.pop(arbiter.choose(set(waiting), bus))
         stamp = bus // PS_PER_US
-        for pixel, since in waiting[row].items():
+        for pixel, since in served.items():
             out.append((stamp, pixel))
             if stamp > since:
                 busy_until[pixel] = stamp + refractory_us
-        bus += (1 + len(waiting[row])) * word_ps
-        last = row
-        waiting[row] = {}
+        bus += (config.line_words + len(served)) * word_ps
     return sorted(out), dropped
 
 
@@ -94,30 +169,41 @@ event_lists = st.lists(
 )
 
 
-@settings(max_examples=150, deadline=None)
-@given(event_lists, st.sampled_from([12e6, 2e6, 0.4e6]), st.sampled_from([0, 3, 20]))
+readouts = st.builds(
+    ReadoutConfig,
+    kind=st.sampled_from([ReadoutKind.ROW_ARBITER, ReadoutKind.ROUND_ROBIN]),
+    lines=st.sampled_from(list(Lines)),
+    limit_hz=st.sampled_from([12e6, 2e6, 0.4e6]),
+    line_words=st.sampled_from([0, 1, 2]),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(event_lists, readouts, st.sampled_from([0, 3, 20]))
 def test_the_kernel_matches_the_reference(
-    events: list[Event], limit_hz: float, refractory_us: int
+    events: list[Event], config: ReadoutConfig, refractory_us: int
 ) -> None:
-    word_ps = round(1e12 / limit_hz)
-    expected, dropped = reference(events, word_ps=word_ps, refractory_us=refractory_us)
-    options = {"limit_hz": limit_hz, "latency_us": 0, "refractory_us": refractory_us}
-    found, readouts = run_arbiter(events, [0, 60, 10_000], **options)
+    expected, dropped = reference(events, config, refractory_us)
+    options = {**asdict(config), "refractory_us": refractory_us}
+    found, stats = run_arbiter(events, [0, 60, 10_000], **options)
     assert found == expected
-    assert sum(r.dropped for r in readouts) == dropped
-    assert sum(r.offered for r in readouts) == len(events)
+    assert sum(r.dropped for r in stats) == dropped
+    assert sum(r.offered for r in stats) == len(events)
     assert len(found) + dropped == len(events)
-    assert readouts[-1].waiting == 0
+    assert stats[-1].waiting == 0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
-    event_lists, st.lists(st.integers(1, 199), max_size=8, unique=True), st.sampled_from([0, 7, 90])
+    event_lists,
+    readouts,
+    st.lists(st.integers(1, 199), max_size=8, unique=True),
+    st.sampled_from([0, 7, 90]),
 )
 def test_steps_do_not_change_the_output(
-    events: list[Event], cuts: list[int], latency_us: int
+    events: list[Event], config: ReadoutConfig, cuts: list[int], latency_us: int
 ) -> None:
-    options = {"limit_hz": 1e6, "latency_us": latency_us, "refractory_us": 5}
+    options = {**asdict(config), "latency_us": latency_us, "refractory_us": 5}
     whole, _ = run_arbiter(events, [0, 1000], **options)
     parts, _ = run_arbiter(events, [0, *sorted(cuts), 200, 1000], **options)
     assert parts == whole
@@ -130,18 +216,18 @@ def test_events_not_granted_in_their_step_are_read_in_a_later_one() -> None:
     assert readouts[0].waiting == 100 - sum(t <= 10 for t, _ in found)
     assert readouts[0].waiting > readouts[1].waiting > readouts[2].waiting == 0
     assert max(r.delay_max_us for r in readouts) == max(t for t, _ in found) - 10
-    rows = {t: {p // WIDTH for s, p in found if s == t} for t, _ in found}
-    assert all(len(of_stamp) == 1 for of_stamp in rows.values())
+    columns = {t: {p % WIDTH for s, p in found if s == t} for t, _ in found}
+    assert all(len(of_stamp) == 1 for of_stamp in columns.values())
 
 
 def test_the_output_rate_is_limited_by_the_bus() -> None:
-    """All rows request at all times; the 16 events of a row take 17 words."""
+    """All columns request at all times; the 12 events of a column take 14 words."""
     rng = np.random.default_rng(1)
     times, pixels = rng.integers(1, 2001, 40_000), rng.integers(0, WIDTH * HEIGHT, 40_000)
     events = sorted(set(zip(times.tolist(), pixels.tolist(), strict=True)))
     found, readouts = run_arbiter(events, [0, 2000], limit_hz=2e6, latency_us=0, refractory_us=0)
     rate_hz = len(found) / 2000e-6
-    assert 0.85 * 2e6 < rate_hz < 1.01 * 16 / 17 * 2e6
+    assert 0.75 * 2e6 < rate_hz < 1.01 * 12 / 14 * 2e6
     assert readouts[0].dropped > 30_000
 
 
