@@ -33,6 +33,7 @@ __all__ = [
     "Events",
     "FitError",
     "FrameError",
+    "Lines",
     "ReadoutConfig",
     "ReadoutKind",
     "ReadoutStats",

@@ -23,7 +23,7 @@ from emulator.aps.config import ApsConfig
 from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
 from emulator.pixel.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
-from emulator.readout.config import UNLIMITED, ReadoutConfig, ReadoutKind
+from emulator.readout.config import UNLIMITED, Lines, ReadoutConfig, ReadoutKind
 
 PresetName = Literal[
     "davis346",
@@ -71,10 +71,16 @@ def preset(name: PresetName) -> SensorConfig:
 def _davis240() -> SensorConfig:
     """DAVIS240 (Brandli 2014: 240×180, 18.5 µm, mismatch 3.5 %, 12 million events per second).
 
-    Thresholds, noise and frames are assumed to be those of the DAVIS346, which has the same pixel.
+    Thresholds, noise and frames are assumed to be those of the DAVIS346, which has the same pixel,
+    and its bus, too. Assumed: the chip is mounted upright, so that its rows are those of the image.
     """
     return SensorConfig(
-        width=240, height=180, pixel_pitch_um=18.5, focal_length_mm=6.0, theta_mismatch=0.035
+        width=240,
+        height=180,
+        pixel_pitch_um=18.5,
+        focal_length_mm=6.0,
+        theta_mismatch=0.035,
+        readout=ReadoutConfig(lines=Lines.ROWS),
     )
 
 
@@ -82,7 +88,7 @@ def _dvs128() -> SensorConfig:
     """DVS128 (Lichtsteiner 2008: 128×128, 40 µm, mismatch 2.1 %, 3 kHz at 1 klux).
 
     Assumed: thresholds and noise of the DAVIS346, since the paper varies its thresholds; a bus of
-    one million events per second, as users report.
+    one million events per second, as users report, with one word for each row.
     """
     return SensorConfig(
         width=128,
@@ -90,7 +96,7 @@ def _dvs128() -> SensorConfig:
         pixel_pitch_um=40.0,
         focal_length_mm=6.0,
         theta_mismatch=0.021,
-        readout=ReadoutConfig(limit_hz=1e6),
+        readout=ReadoutConfig(limit_hz=1e6, lines=Lines.ROWS, line_words=1),
     )
 
 
@@ -98,9 +104,16 @@ def _atis() -> SensorConfig:
     """ATIS (Posch 2011: 304×240, 30 µm).
 
     Its change detector alone: the exposure measurement that each event starts is not modelled.
-    Assumed: the row arbiter and the bus of the DAVIS346, in place of a handshake for every event.
+    Assumed: the row arbiter and the bus of the DAVIS346, in place of a handshake for every event,
+    on an upright chip.
     """
-    return SensorConfig(width=304, height=240, pixel_pitch_um=30.0, focal_length_mm=6.0)
+    return SensorConfig(
+        width=304,
+        height=240,
+        pixel_pitch_um=30.0,
+        focal_length_mm=6.0,
+        readout=ReadoutConfig(lines=Lines.ROWS),
+    )
 
 
 def _dvxplorer() -> SensorConfig:
@@ -120,29 +133,29 @@ def _dvxplorer() -> SensorConfig:
 def _gen31() -> SensorConfig:
     """Prophesee Gen3.1 (Gallego 2022, Gen3 CD: 640×480, 15 µm, 66 million events per second).
 
-    Assumed: its readout is the row arbiter.
+    Assumed: its readout is the row arbiter, with one word for each row.
     """
     return SensorConfig(
         width=640,
         height=480,
         pixel_pitch_um=15.0,
         focal_length_mm=6.0,
-        readout=ReadoutConfig(limit_hz=66e6),
+        readout=ReadoutConfig(limit_hz=66e6, lines=Lines.ROWS, line_words=1),
     )
 
 
 def _imx636() -> SensorConfig:
     """Sony IMX636 of the EVK4 (Finateu 2020: 1280×720, 4.86 µm, 1.066 billion events per second).
 
-    Assumed: its readout is the row arbiter. Its event rate controller and its filters are not
-    modelled; a lower `readout.limit_hz` stands for a limited rate.
+    Assumed: its readout is the row arbiter, with one word for each row. Its event rate controller
+    and its filters are not modelled; a lower `readout.limit_hz` stands for a limited rate.
     """
     return SensorConfig(
         width=1280,
         height=720,
         pixel_pitch_um=4.86,
         focal_length_mm=6.0,
-        readout=ReadoutConfig(limit_hz=1.066e9),
+        readout=ReadoutConfig(limit_hz=1.066e9, lines=Lines.ROWS, line_words=1),
     )
 
 

@@ -14,8 +14,10 @@ from emulator.characterisation.experiments import (
     bandwidth,
     dynamic_range,
     intervals,
+    lamp,
     latency,
     leak,
+    line_order,
     photon_transfer,
     refractory,
     s_curve,
@@ -47,7 +49,9 @@ _MEASURES: Mapping[str, Callable[..., Section]] = {
     "background": background.measure,
     "intervals": intervals.measure,
     "leak": leak.measure,
+    "lamp": lamp.measure,
     "arbiter": arbiter.measure,
+    "line_order": line_order.measure,
     "photon_transfer": photon_transfer.measure,
 }
 

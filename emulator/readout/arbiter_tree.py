@@ -30,17 +30,17 @@ _S27, _S63 = np.uint64(27), np.uint64(63)
 @compiled
 def request_line(tree: Longs, line: int, at_ps: int) -> None:
     """Pass the request of a line on, up to the first node that requests already."""
-    node = tree.size // 2 + line
+    node = (tree.size >> 1) + line
     while node > 0 and tree[node] == NONE:
         tree[node] = at_ps
-        node //= 2
+        node >>= 1
 
 
 @compiled
 def next_in_tree(tree: Longs, marks: Longs, now_ps: int) -> int:
     """Return the line that gets the grant; there must be a request."""
-    node = hand_up(tree, marks, now_ps)
-    leaves = tree.size // 2
+    node: int = hand_up(tree, marks, now_ps)
+    leaves = tree.size >> 1
     while node < leaves:
         left, right = tree[2 * node], tree[2 * node + 1]
         if left == NONE or right == NONE:
@@ -66,15 +66,16 @@ def hand_up(tree: Longs, marks: Longs, now_ps: int) -> int:
     """
     if marks[LAST_LINE] == NONE:
         return 1
-    node, level = tree.size // 2 + marks[LAST_LINE], np.int64(1)
+    level = np.int64(1)
+    node: int = (tree.size >> 1) + marks[LAST_LINE]
     while node > 1:
         waits = tree[node ^ 1] != NONE
         if waits and marks[SECOND] & level == 0:
             marks[SECOND] |= level
             return node ^ 1
         marks[SECOND] &= ~level
-        tree[node // 2] = now_ps if waits or tree[node] != NONE else NONE
-        node //= 2
+        tree[node >> 1] = now_ps if waits or tree[node] != NONE else NONE
+        node >>= 1
         level *= 2
     return 1
 

@@ -100,7 +100,7 @@ def grant(
         slot = following
     queue.head[line] = NONE
     queue.lines[line // BITS] &= ~(ONE << np.uint64(line % BITS))
-    queue.tree[queue.tree.size // 2 + line] = NONE
+    queue.tree[(queue.tree.size >> 1) + line] = NONE
     return count
 
 

@@ -42,10 +42,11 @@ def events_of(keys: Keys, from_us: int = 0) -> list[Event]:
 
 
 def run_arbiter(
-    events: list[Event], bounds: list[int], *, refractory_us: int, **readout: Any
+    events: list[Event], bounds: list[int], **options: Any
 ) -> tuple[list[Event], list[ReadoutStats]]:
+    refractory_us = options.pop("refractory_us")
     arbiter = Arbiter(
-        width=WIDTH, height=HEIGHT, config=ReadoutConfig(**readout), refractory_us=refractory_us
+        width=WIDTH, height=HEIGHT, config=ReadoutConfig(**options), refractory_us=refractory_us
     )
     out: list[Event] = []
     readouts = []
@@ -72,7 +73,7 @@ class InTurn:
     def rest(self) -> None:
         self.last = -1
 
-    def choose(self, waiting: set[int], now_ps: int) -> int:
+    def choose(self, waiting: set[int], _now_ps: int) -> int:
         self.last = next((line for line in sorted(waiting) if line > self.last), min(waiting))
         return self.last
 

@@ -84,7 +84,7 @@ def test_rates_do_not_count_the_last_row() -> None:
 
 def test_a_bus_that_is_always_overloaded_has_a_highest_rate() -> None:
     figures = measure(SensorConfig(readout=ReadoutConfig(limit_hz=5e4)), seed=1).figures
-    assert figures["highest output rate"].measured == pytest.approx(0.05 * 128 / 129, rel=0.01)
+    assert figures["highest output rate"].measured == pytest.approx(0.05 * 96 / 98, rel=0.01)
     assert figures["input rate with a loss of 1 %"].note == "the slowest flicker loses more"
     assert figures["mean delay at half the highest rate"].measured is None
 
@@ -102,7 +102,7 @@ def test_section_of_the_default_sensor() -> None:
     assert lossy.measured is not None
     assert 8.0 < lossy.measured < 12.0
     assert busy.measured is not None
-    assert 0.1 < busy.measured < 5.0
+    assert 5.0 < busy.measured < 30.0
     assert most.published is not None
     assert percentile_99.measured is not None
     assert percentile_99.measured > 100.0
