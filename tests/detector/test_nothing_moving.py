@@ -71,19 +71,19 @@ def flickering_texture(depth: float, *, duration_us: int = 300_000) -> Events:
 
 
 @pytest.mark.parametrize("preset", PRESETS)
-@pytest.mark.parametrize(("depth", "least"), [(0.1, 1.0), (0.2, 0.8)])
+@pytest.mark.parametrize(("depth", "least"), [(0.1, 1.0), (0.2, 0.7)])
 def test_a_still_scene_in_flickering_light_gives_none(
     preset: str, depth: float, least: float
 ) -> None:
-    # At a depth of 0.2 the bus is saturated, and the arbiter reads row after row, downwards.
+    # At a depth of 0.2 the bus is saturated for a part of the time, and columns are read in bursts.
     events = flickering_texture(depth)
-    assert events.size > (10_000 if depth == 0.1 else 1_000_000)
+    assert events.size > (10_000 if depth == 0.1 else 100_000)
     assert share_of_none(estimates_of(preset, events, 300_000)) >= least
 
 
 def test_without_the_share_floor_flickering_light_gives_directions() -> None:
     fly = FlyDetector(FlyConfig(share_floor=0.0))
-    found = fly.push(flickering_texture(0.2)) + fly.advance(300_000)
+    found = fly.push(flickering_texture(0.4)) + fly.advance(300_000)
     assert share_of_none(found) < 0.8
 
 
