@@ -113,7 +113,7 @@ def test_crossings_of_a_log_ramp_match_the_closed_form(rate: float, theta: float
 
 
 def test_a_low_pass_delays_a_ramp_by_its_time_constant() -> None:
-    config = noise_free_config(refractory_us=0)
+    config = noise_free_config(refractory_us=0, readout=UNLIMITED)
     samples = log_ramp(config, start=300.0, rate_per_s=40.0, times_us=range(0, 100_001, 1000))
     events, _ = run_sensor(config, samples)
     mine = events["t"][(events["x"] == 1) & (events["y"] == 1)]
@@ -126,7 +126,7 @@ def test_a_low_pass_delays_a_ramp_by_its_time_constant() -> None:
 @pytest.mark.parametrize("start_lux", [0.5, 300.0])
 def test_a_ramp_gives_the_same_events_at_any_step(start_lux: float) -> None:
     """This includes dim light, where the cutoff changes along the ramp."""
-    config = noise_free_config()
+    config = noise_free_config(readout=UNLIMITED)
 
     def times(step_us: int) -> np.ndarray:
         samples = log_ramp(
@@ -145,7 +145,7 @@ def test_a_ramp_gives_the_same_events_at_any_step(start_lux: float) -> None:
 @pytest.mark.parametrize("step_us", [200, 5000])
 def test_the_response_to_a_luminance_step_is_exponential(step_us: int) -> None:
     """Threshold k is crossed when 1 − exp(−t/τ) reaches k·θ divided by the height of the step."""
-    config = noise_free_config(refractory_us=0, dark_lux=1e-6)
+    config = noise_free_config(refractory_us=0, dark_lux=1e-6, readout=UNLIMITED)
     height, lux = 1.0, 1.0
     low, high = (uniform_frame(luminance_for_lux(e, config), config) for e in (lux / math.e, lux))
     samples = [(0, low), (1, high), *((1 + t, high) for t in range(step_us, 20_001, step_us))]

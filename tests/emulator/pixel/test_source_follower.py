@@ -15,6 +15,7 @@ from emulator.pixel.source_follower import (
     separated,
     value_at,
 )
+from emulator.readout.config import UNLIMITED
 from tests.emulator.stimuli import (
     log_ramp,
     luminance_for_lux,
@@ -90,7 +91,7 @@ def test_equal_time_constants_give_the_limit() -> None:
 
 
 def test_a_ramp_is_delayed_by_both_time_constants() -> None:
-    config = noise_free_config(refractory_us=0, follower_hz=590.0)
+    config = noise_free_config(refractory_us=0, follower_hz=590.0, readout=UNLIMITED)
     samples = log_ramp(config, start=300.0, rate_per_s=40.0, times_us=range(0, 100_001, 1000))
     events, _ = run_sensor(config, samples)
     mine = events["t"][(events["x"] == 1) & (events["y"] == 1)]
@@ -102,7 +103,7 @@ def test_a_ramp_is_delayed_by_both_time_constants() -> None:
 
 @pytest.mark.parametrize("step_us", [200, 5000])
 def test_the_response_to_a_luminance_step_is_the_sum_of_two_exponentials(step_us: int) -> None:
-    config = noise_free_config(refractory_us=0, dark_lux=1e-6, follower_hz=300.0)
+    config = noise_free_config(refractory_us=0, dark_lux=1e-6, follower_hz=300.0, readout=UNLIMITED)
     low, high = (uniform_frame(luminance_for_lux(e, config), config) for e in (1.0 / math.e, 1.0))
     samples = [(0, low), (1, high), *((1 + t, high) for t in range(step_us, 20_001, step_us))]
     events, _ = run_sensor(config, samples)
