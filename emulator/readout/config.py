@@ -47,10 +47,10 @@ class ReadoutConfig:
 
     Attributes:
         kind: how the events are read out.
-        lines: which lines of the image the arbiter chooses between. A scan does not use it. The
-            DAVIS346 is mounted on its side: its driver exchanges x and y (libcaer, "invertXY"), and
-            in a recording of one at 4 Mev/s the order of the columns is that of a tree of arbiters,
-            while that of the rows is not (see the emulator's README).
+        lines: which lines of the image the arbiter chooses between. A scan does not use it. In a
+            recording of a DAVIS346 at 4 Mev/s the order of the columns is that of a tree of
+            arbiters, and that of the rows is not (see the emulator's README). Its chip thus lies on
+            its side; the driver exchanges x and y if the camera says so (libcaer, "invertXY").
         limit_hz: words per second on the bus [Hz]: one word for each event, and `line_words` for
             each line that is read (the maker's documentation: about 12 million events per second).
             A scan does not use it.
