@@ -34,23 +34,29 @@ _RANGES = {
     "dark_lux": Range(
         1e-6, 10.0, remedy="Give a positive value: it keeps the logarithm finite in the dark."
     ),
-    "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(illuminance), such as 0.18."),
+    "theta_on": Range(0.01, 10.0, remedy="Give a change of ln(illuminance), such as 0.28."),
     "theta_off": Range(
-        0.01, 10.0, remedy="Give a change of ln(illuminance) as a positive number, such as 0.22."
+        0.01, 10.0, remedy="Give a change of ln(illuminance) as a positive number, such as 0.35."
     ),
     "theta_mismatch": Range(
-        0.0, 1.0, remedy="Give a standard deviation in ln(illuminance), such as 0.035."
+        0.0, 1.0, remedy="Give a standard deviation in ln(illuminance), such as 0.024."
     ),
     "bandwidth_hz_per_lux": Range(
         1e-3, 1e15, remedy="Give the cutoff frequency at one lux on the chip."
     ),
     "bandwidth_limit_hz": Range(1e-3, 1e9, remedy="Use 1e9 for no limit."),
     "follower_hz": Range(0.0, 1e9, remedy="Use 0 to leave the follower out."),
-    "refractory_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 3."),
+    "refractory_us": Range(0, 1_000_000, remedy="Give whole microseconds, such as 270."),
     "leak_hz": Range(0.0, 1000.0, remedy="Use 0 to switch the leak in the dark off."),
     "leak_hz_per_lux": Range(0.0, 1.0, remedy="Use 0 to switch the leak caused by light off."),
-    "shot_noise_scale": Range(
-        0.0, 1000.0, remedy="Use 0 to switch shot noise off, 1 for the published rates."
+    "leak_spread": Range(0.0, 3.0, remedy="Use 0 for the same leak in all pixels."),
+    "leak_tail_fraction": Range(0.0, 1.0, remedy="Use 0 for no pixels with a high leak."),
+    "leak_tail_spread": Range(0.0, 3.0, remedy="Give a standard deviation of ln(leak)."),
+    "noise_sigma": Range(
+        0.0, 1.0, remedy="Use 0 to switch the noise of the photoreceptor off; 0.07 is usual."
+    ),
+    "dark_current_spread": Range(
+        0.0, 3.0, remedy="Use 0 for the same dark current in all pixels."
     ),
     "temperature_c": Range(
         -60.0, 150.0, remedy="Give the temperature of the chip in °C, such as 25."
@@ -135,17 +141,21 @@ class SensorConfig:
     f_number: float = 1.4
     transmission: float = 0.9
     dark_lux: float = 0.01
-    theta_on: float = 0.18
-    theta_off: float = 0.22
-    theta_mismatch: float = 0.035
+    theta_on: float = 0.28
+    theta_off: float = 0.35
+    theta_mismatch: float = 0.024
     bandwidth_hz_per_lux: float = 100.0
     bandwidth_limit_hz: float = 3000.0
-    follower_hz: float = 0.0
-    refractory_us: int = 3
-    leak_hz: float = 0.1
-    leak_hz_per_lux: float = 2.4e-5
-    shot_noise_scale: float = 1.0
-    hot_fraction: float = 4e-4
+    follower_hz: float = 286.0
+    refractory_us: int = 270
+    leak_hz: float = 0.05
+    leak_hz_per_lux: float = 2.6e-5
+    leak_spread: float = 0.4
+    leak_tail_fraction: float = 0.1
+    leak_tail_spread: float = 1.4
+    noise_sigma: float = 0.07
+    dark_current_spread: float = 0.45
+    hot_fraction: float = 0.0
     hot_hz_min: float = 45.0
     hot_hz_max: float = 56.0
     temperature_c: float = 25.0
@@ -213,7 +223,7 @@ class SensorConfig:
             height=height,
             leak_hz=0.0,
             leak_hz_per_lux=0.0,
-            shot_noise_scale=0.0,
+            noise_sigma=0.0,
             hot_fraction=0.0,
             crazy_fraction=0.0,
             aps=ApsConfig(noise=False),
@@ -225,8 +235,10 @@ class SensorConfig:
         return replace(
             cls.noise_free(width=width, height=height),
             theta_mismatch=0.0,
+            dark_current_spread=0.0,
             bandwidth_hz_per_lux=1e15,
             bandwidth_limit_hz=1e9,
+            follower_hz=0.0,
             refractory_us=0,
             readout=UNLIMITED,
         )

@@ -22,7 +22,6 @@ from typing import Literal, get_args
 from emulator.aps.config import ApsConfig
 from emulator.config import SensorConfig
 from emulator.errors import SensorConfigError
-from emulator.pixel.noise import SHOT_OFF_HZ, SHOT_ON_PER_OFF
 from emulator.readout.config import UNLIMITED, Lines, ReadoutConfig, ReadoutKind
 
 PresetName = Literal[
@@ -170,17 +169,18 @@ def _v2e_noisy() -> SensorConfig:
     In v2e, shot noise falls to a quarter from dark to bright. Here it follows the published law,
     and has 5 Hz, ON and OFF together, in the dark.
     """
-    dark_hz = SHOT_OFF_HZ[0] * (1.0 + SHOT_ON_PER_OFF)
+
     return SensorConfig(
         theta_on=0.2,
         theta_off=0.2,
         theta_mismatch=0.05,
         bandwidth_hz_per_lux=_UNLIMITED_HZ_PER_LUX,
         bandwidth_limit_hz=30.0,
+        follower_hz=0.0,
         refractory_us=0,
         leak_hz=0.1,
         leak_hz_per_lux=0.0,
-        shot_noise_scale=_V2E_SHOT_HZ / dark_hz,
+        noise_sigma=0.068,
         hot_fraction=0.0,
         readout=UNLIMITED,
         aps=ApsConfig(),

@@ -25,7 +25,7 @@ from emulator.aps.exposure import (
 )
 from emulator.errors import FrameError
 from emulator.pixel.active_pixels import Masks
-from emulator.pixel.noise import draw_gaussians
+from emulator.noise.random_numbers import draw_gaussians
 from flybench.memory import check_memory
 
 _RANDOM_STREAM = 1

@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.noise import leak_drift, shot_rates
+from emulator.noise.leak import leak_drift
 from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
 from emulator.pixel.state import PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp, log
 
 BATCH = 512
-"""Pixels in a batch: its 23 fields take 94 kB, which fit into the caches of a core."""
+"""Pixels in a batch: its 26 fields take 106 kB, which fit into the caches of a core."""
 
 (
     LUMINANCE_FROM,
@@ -33,23 +33,26 @@ BATCH = 512
     THETA_ON,
     THETA_OFF,
     HOT_RATE,
+    DARK_LUX,
+    LEAK_FACTOR,
+    SECOND_LAG,
     REST,
     LOG_TO,
     NEW_LAG,
     NEW_CHANGE,
     NEW_LEAK,
     NEW_CLOCK,
-    NOISE_RATE,
+    NEW_SECOND_LAG,
     DRIFT,
     CORNER,
     END,
     OUTCOME,
     EVENT_TIME,
     MARK,
-) = (field * BATCH for field in range(23))
+) = (field * BATCH for field in range(26))
 """Start of each field."""
 
-FIELDS = 23
+FIELDS = 26
 
 _VECTOR = 16
 """Pixels that the compiler may process together."""
@@ -93,6 +96,7 @@ def empty_batch() -> Batch:
 @compiled
 def gather(
     state: PixelState,
+    model: PixelModel,
     luminance: npt.NDArray[np.float32],
     from_us: int,
     batch: Batch,
@@ -102,12 +106,13 @@ def gather(
 
     Args:
         state: state of all pixels.
+        model: constants of the sensor.
         luminance: (pixels,) luminance at the end of the step [cd/m²].
         from_us: start of the step [µs from the first sample].
         batch: indices of the pixels; the fields are changed in place.
         count: number of pixels.
     """
-    pixels, before = state.pixels, state.luminance
+    pixels, before, second_lags = state.pixels, state.luminance, state.second_lag
     indices, fields = batch.indices, batch.fields
     for k in range(count):
         i = indices[k]
@@ -121,6 +126,9 @@ def gather(
         fields[THETA_ON + k] = pixel.theta_on
         fields[THETA_OFF + k] = pixel.theta_off
         fields[HOT_RATE + k] = pixel.hot_rate
+        fields[DARK_LUX + k] = pixel.dark_factor * model.dark_lux
+        fields[LEAK_FACTOR + k] = pixel.leak_factor
+        fields[SECOND_LAG + k] = second_lags[i] if second_lags.size > i else np.float32(0.0)
         fields[REST + k] = np.int32(pixel.updated_us - from_us)
 
 
@@ -157,14 +165,13 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
     """Follow the first `count` pixels through `span_us`, as if none had an event.
 
     This is the result for pixels whose difference is between the thresholds at the end and where it
-    turns. It requires that the pixel is awake and not in reset, on a ramp of one piece, without a
-    noise event in the step, and without a follower.
+    turns. It requires that the pixel is awake and not in reset, on a ramp of one piece, without an
+    event of a hot pixel in the step, and that the sensor has neither follower nor noise.
     """
     per_us = 1.0 / span_us
-    first_order = model.follower_us == 0.0
-    per_cd_m2, dark_lux = model.lux_per_cd_m2, model.dark_lux
+    per_cd_m2 = model.lux_per_cd_m2
     for k in range(count):
-        lag, leak = fields[LAG + k], fields[LEAK + k]
+        lag, leak, dark_lux = fields[LAG + k], fields[LEAK + k], fields[DARK_LUX + k]
         log_from = log_current(fields[LUMINANCE_FROM + k] * per_cd_m2, dark_lux)
         log_to = log_current(fields[LUMINANCE_TO + k] * per_cd_m2, dark_lux)
         middle = 0.5 * (log_from + log_to)
@@ -172,15 +179,13 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
         corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
         decay = exp(-span_us * corner)
         tau_us = 1.0 / corner
-        shot_on, shot_off = shot_rates(model.noise, middle)
-        noise_rate = shot_on + shot_off + abs(fields[HOT_RATE + k])
-        drift = leak_drift(model.noise, current_lux)
+        drift = leak_drift(model.leak, current_lux - dark_lux, fields[LEAK_FACTOR + k])
         rise = log_to - log_from
         slope = rise * per_us
         new_lag = lag_after(lag, slope, tau_us, decay)
         new_change = fields[CHANGE + k] + rise - (new_lag - lag)
         new_leak = leak + drift * span_us
-        new_clock = fields[CLOCK + k] - noise_rate * span_us
+        new_clock = fields[CLOCK + k] - abs(fields[HOT_RATE + k]) * span_us
         level = fields[CHANGE + k] + leak
         end = new_change + new_leak
         turn, _ = turning_value(level, (slope + drift) * tau_us, lag - slope * tau_us, decay)
@@ -188,14 +193,13 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
         ready = (fields[REST + k] == 0.0) & (leak >= 0.0) & (new_clock > 0.0)
         bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
         short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
-        plain = first_order & ready & (bright | short)
+        plain = ready & (bright | short)
         fields[LOG_FROM + k] = log_from
         fields[LOG_TO + k] = log_to
         fields[NEW_LAG + k] = new_lag
         fields[NEW_CHANGE + k] = new_change
         fields[NEW_LEAK + k] = new_leak
         fields[NEW_CLOCK + k] = new_clock
-        fields[NOISE_RATE + k] = noise_rate
         fields[DRIFT + k] = drift
         fields[CORNER + k] = corner
         fields[END + k] = end

@@ -6,19 +6,19 @@ segment, threshold crossings and noise compete; whichever comes first resets the
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
 from emulator.pixel.batch import (
     CHANGE,
     CLOCK,
+    DARK_LUX,
     DRIFT,
     EVENT_TIME,
     HOT_RATE,
     LAG,
     LEAK,
+    LEAK_FACTOR,
     LOG_FROM,
     LOG_TO,
     MARK,
@@ -26,85 +26,40 @@ from emulator.pixel.batch import (
     NEW_CLOCK,
     NEW_LAG,
     NEW_LEAK,
-    NOISE_RATE,
+    NEW_SECOND_LAG,
     OUTCOME,
     REST,
+    SECOND_LAG,
     SILENT,
     SINGLE,
     THETA_OFF,
     THETA_ON,
     Batch,
+    Reals,
 )
-from emulator.pixel.photoreceptor import ramp_pieces
-from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
+from emulator.pixel.pixel_step import plan_step, segment_of
+from emulator.pixel.segment import Mismatch, Pixel
 from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
 from emulator.pixel.state import PixelModel, PixelState, StepTimes
 from emulator.readout.event_keys import Keys, make_key
 from flybench.kernels import compiled, inlined
 
 
-class PixelStep(NamedTuple):
-    """The course of u of one pixel from the time of its state to the end of the step.
-
-    Attributes:
-        constant_us: duration of the segment of constant luminance before the ramp [µs]: the time
-            that the pixel has slept, and the step itself if its luminance does not change.
-        constant_from_us: start of that segment, from the start of the step; 0 or negative [µs].
-        log_from: u at the start [ln lux].
-        log_to: u at the end [ln lux].
-        piece_us: duration of each piece of the ramp [µs].
-        pieces: number of pieces, 0 if the luminance does not change.
-    """
-
-    constant_us: float
-    constant_from_us: float
-    log_from: float
-    log_to: float
-    piece_us: float
-    pieces: int
-
-
 @inlined
-def plan_step(
-    model: PixelModel,
-    log_from: float,
-    log_to: float,
-    changed: bool,
-    slept_us: float,
-    span_us: float,
-) -> PixelStep:
-    """Return the course of u in a step of `span_us` for a pixel that has slept for `slept_us`."""
-    if not changed:
-        return PixelStep(slept_us + span_us, -slept_us, log_from, log_from, span_us, 0)
-    pieces = ramp_pieces(log_from, log_to, model.log_limit)
-    return PixelStep(slept_us, -slept_us, log_from, log_to, span_us / pieces, pieces)
-
-
-@inlined
-def segment_of(
-    model: PixelModel, hot_rate: float, plan: PixelStep, number: int
-) -> tuple[Segment, float, float]:
-    """Return a segment, its start from the start of the step [µs], and its duration [µs].
-
-    Segment −1 has constant luminance; segments 0 to pieces − 1 are the pieces of the ramp.
-    """
-    if number < 0:
-        constant = make_segment(model, hot_rate, plan.log_from, plan.log_from, plan.constant_us)
-        return constant, plan.constant_from_us, plan.constant_us
-    rise = (plan.log_to - plan.log_from) / plan.pieces
-    low = plan.log_from + number * rise
-    ramp = make_segment(model, hot_rate, low, low + rise, plan.piece_us)
-    return ramp, number * plan.piece_us, plan.piece_us
+def mismatch_of(fields: Reals, k: int) -> Mismatch:
+    """Return what differs from pixel to pixel, for the pixel at position `k` of a batch."""
+    return Mismatch(
+        fields[THETA_ON + k],
+        fields[THETA_OFF + k],
+        fields[HOT_RATE + k],
+        fields[DARK_LUX + k],
+        fields[LEAK_FACTOR + k],
+    )
 
 
 @inlined
 def wake_time_us(
-    pixel: Pixel,
-    mismatch: Mismatch,
-    noise_rate: float,
-    drift: float,
-    changed: bool,
-    to_us: int,
+    pixel: Pixel, mismatch: Mismatch, drift: float, changed: bool, to_us: int
 ) -> np.int32:
     """Return the earliest time of the next event; the end of the step if the luminance changes.
 
@@ -112,7 +67,7 @@ def wake_time_us(
     """
     sleep_us = 0.0
     if not changed:
-        sleep_us = silent_time_us(pixel, mismatch, noise_rate, drift)
+        sleep_us = silent_time_us(pixel, mismatch, drift)
     return np.int32(to_us + np.int64(sleep_us))
 
 
@@ -141,6 +96,7 @@ def store_finished(
         Number of entries of `keys` then in use.
     """
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
+    second_lags = state.second_lag
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
     for k in range(count):
@@ -153,18 +109,19 @@ def store_finished(
             used += 1
         lag, change = fields[NEW_LAG + k], fields[NEW_CHANGE + k]
         leak, clock = fields[NEW_LEAK + k], fields[NEW_CLOCK + k]
+        second_lag = fields[NEW_SECOND_LAG + k]
         own = pixels[i]
         own.lag = lag
         own.change = change
         own.leak = leak
         own.clock = clock
         own.updated_us = now_us
+        if second_lags.size > i:
+            second_lags[i] = second_lag
         before[i] = luminance[i]
-        pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), 0.0)
-        mismatch = Mismatch(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
-        wake_us[i] = wake_time_us(
-            pixel, mismatch, fields[NOISE_RATE + k], fields[DRIFT + k], changes[k], times.to_us
-        )
+        pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), second_lag)
+        mismatch = mismatch_of(fields, k)
+        wake_us[i] = wake_time_us(pixel, mismatch, fields[DRIFT + k], changes[k], times.to_us)
     return used
 
 
@@ -207,7 +164,6 @@ def step_others(
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
-        second_lag = second_lags[i] if second_lags.size > i else np.float32(0.0)
         leak = fields[LEAK + k]
         pixel = Pixel(
             fields[LAG + k],
@@ -216,14 +172,14 @@ def step_others(
             fields[CLOCK + k],
             max(-leak, 0.0),
             np.int64(own.draws),
-            np.float64(second_lag),
+            fields[SECOND_LAG + k],
         )
-        mismatch = Mismatch(fields[THETA_ON + k], fields[THETA_OFF + k], fields[HOT_RATE + k])
+        mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         plan = plan_step(model, log_from, log_to, changed, -fields[REST + k], span_us)
         found = used
         for number in range(-1 if plan.constant_us > 0.0 else 0, plan.pieces):
-            segment, start_us, segment_us = segment_of(model, mismatch.hot_rate, plan, number)
+            segment, start_us, segment_us = segment_of(model, mismatch, plan, number)
             elapsed_us = 0.0
             while elapsed_us < segment_us:
                 pixel, spent_us, event_us, mark = advance(
@@ -245,7 +201,5 @@ def step_others(
         if second_lags.size > i:
             second_lags[i] = pixel.second_lag
         before[i] = luminance[i]
-        wake_us[i] = wake_time_us(
-            pixel, mismatch, fields[NOISE_RATE + k], fields[DRIFT + k], changed, times.to_us
-        )
+        wake_us[i] = wake_time_us(pixel, mismatch, fields[DRIFT + k], changed, times.to_us)
     return count, used

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from emulator.pixel.noise import leak_drift, shot_rates
+from emulator.noise.leak import leak_drift
+from emulator.noise.photoreceptor_noise import Noise, noise_of
 from emulator.pixel.photoreceptor import inverse_tau_per_us, lag_after
 from emulator.pixel.source_follower import second_lag_after
 from emulator.pixel.state import PixelModel
@@ -36,11 +37,17 @@ class Pixel(NamedTuple):
 
 
 class Mismatch(NamedTuple):
-    """Thresholds and hot rate of one pixel; see `emulator.pixel.state.PIXEL_DTYPE`."""
+    """What differs from pixel to pixel; see `emulator.pixel.state.PIXEL_DTYPE`.
+
+    Attributes:
+        dark_lux: dark current [lux].
+    """
 
     theta_on: float
     theta_off: float
     hot_rate: float
+    dark_lux: float
+    leak_factor: float
 
 
 class Segment(NamedTuple):
@@ -50,24 +57,22 @@ class Segment(NamedTuple):
         slope: slope of u [ln units/µs].
         tau_us: time constant τ of the photoreceptor [µs].
         corner: 1/τ [1/µs].
-        shot_on: rate of ON shot noise [events/µs].
-        shot_off: rate of OFF shot noise [events/µs].
-        noise_rate: rate of all noise events, hot pixels included [events/µs].
+        hot_rate: rate of a hot or crazy pixel, else 0 [events/µs].
         leak_drift: drift of the memorised value [ln units/µs].
+        noise: noise of the photoreceptor.
     """
 
     slope: float
     tau_us: float
     corner: float
-    shot_on: float
-    shot_off: float
-    noise_rate: float
+    hot_rate: float
     leak_drift: float
+    noise: Noise
 
 
 @inlined
 def make_segment(
-    model: PixelModel, hot_rate: float, log_from: float, log_to: float, span_us: float
+    model: PixelModel, mismatch: Mismatch, log_from: float, log_to: float, span_us: float
 ) -> Segment:
     """Return a segment of `span_us` on which u changes from `log_from` to `log_to`.
 
@@ -76,15 +81,13 @@ def make_segment(
     middle = 0.5 * (log_from + log_to)
     current_lux = exp(middle)
     corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
-    shot_on, shot_off = shot_rates(model.noise, middle)
     return Segment(
         (log_to - log_from) / span_us,
         1.0 / corner,
         corner,
-        shot_on,
-        shot_off,
-        shot_on + shot_off + abs(hot_rate),
-        leak_drift(model.noise, current_lux),
+        abs(mismatch.hot_rate),
+        leak_drift(model.leak, current_lux - mismatch.dark_lux, mismatch.leak_factor),
+        noise_of(model.sigma_0, corner, model.corner_per_lux * current_lux, model.follower_us),
     )
 
 
@@ -114,7 +117,7 @@ def without_event(
         - (lag - pixel.lag)
         - (second_lag - pixel.second_lag),
         pixel.leak + segment.leak_drift * span_us,
-        pixel.clock - segment.noise_rate * span_us,
+        pixel.clock - segment.hot_rate * span_us,
         0.0,
         pixel.draws,
         second_lag,
@@ -128,5 +131,5 @@ def hold_in_reset(
     """Return the pixel after `after_us` and then `hold_us` in reset, which stops its clock."""
     span_us = after_us + hold_us
     lag, second_lag = lags_after(pixel, segment, model, span_us, exp(-span_us * segment.corner))
-    clock = pixel.clock - segment.noise_rate * after_us
+    clock = pixel.clock - segment.hot_rate * after_us
     return Pixel(lag, 0.0, 0.0, clock, pixel.reset_us - hold_us, pixel.draws, second_lag)

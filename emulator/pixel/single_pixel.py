@@ -7,8 +7,8 @@ refractory, the memorised value follows the photoreceptor, so that changes in th
 
 from __future__ import annotations
 
+from emulator.noise.random_numbers import exponential, uniform
 from emulator.pixel.change_detector import NEVER_US, Course, first_crossing, stays_within
-from emulator.pixel.noise import exponential, uniform
 from emulator.pixel.segment import Mismatch, Pixel, Segment, hold_in_reset, without_event
 from emulator.pixel.source_follower import (
     SecondOrderCourse,
@@ -56,15 +56,15 @@ def crossing_code(leak: float, theta_on: float, on: bool) -> int:
 
 
 @compiled
-def noise_event(
+def hot_event(
     pixel: Pixel, segment: Segment, hot_rate: float, model: PixelModel, index: int
 ) -> tuple[Pixel, int]:
-    """Return the pixel with its noise clock started again, and 2·cause + polarity of the event.
+    """Return the pixel with its clock started again, and 2·cause + polarity of the event.
 
     A hot pixel fires ON (assumed: its current discharges the node as leak does). A crazy pixel,
     whose rate is stored as a negative number, fires ON and OFF equally often (assumed).
     """
-    choice = uniform(model.seed, index, pixel.draws) * segment.noise_rate
+    choice = uniform(model.seed, index, pixel.draws) * segment.hot_rate
     clock = exponential(model.seed, index, pixel.draws + 1)
     pixel = Pixel(
         pixel.lag,
@@ -75,12 +75,7 @@ def noise_event(
         pixel.draws + 2,
         pixel.second_lag,
     )
-    shot = segment.shot_on + segment.shot_off
-    if choice < segment.shot_on:
-        return pixel, _SHOT_ON
-    if choice < shot:
-        return pixel, _SHOT_OFF
-    return pixel, _HOT_OFF if choice - shot < -0.5 * hot_rate else _HOT_ON
+    return pixel, _HOT_OFF if choice < -0.5 * hot_rate else _HOT_ON
 
 
 @inlined
@@ -168,8 +163,8 @@ def advance(
     if pixel.reset_us > 0.0:
         wait_us = min(pixel.reset_us, left_us)
         return hold_in_reset(pixel, segment, model, 0.0, wait_us), wait_us, 0.0, NO_EVENT
-    noisy = pixel.clock <= segment.noise_rate * left_us
-    span_us = max(0.0, pixel.clock / segment.noise_rate) if noisy else left_us
+    noisy = pixel.clock <= segment.hot_rate * left_us
+    span_us = max(0.0, pixel.clock / segment.hot_rate) if noisy else left_us
     decay = exp(-span_us * segment.corner)
     crossing_us, on = next_crossing(pixel, segment, mismatch, model, span_us, decay)
     if crossing_us < NEVER_US:
@@ -179,18 +174,17 @@ def advance(
     if not noisy:
         return without_event(pixel, segment, model, span_us, decay), span_us, 0.0, NO_EVENT
     pixel, spent_us = reset_at(pixel, segment, model, span_us, left_us)
-    pixel, mark = noise_event(pixel, segment, mismatch.hot_rate, model, index)
+    pixel, mark = hot_event(pixel, segment, mismatch.hot_rate, model, index)
     return pixel, spent_us, span_us, mark
 
 
 @inlined
-def silent_time_us(pixel: Pixel, mismatch: Mismatch, noise_rate: float, drift: float) -> float:
+def silent_time_us(pixel: Pixel, mismatch: Mismatch, drift: float) -> float:
     """Return how long a pixel under constant luminance certainly stays silent [µs].
 
     Args:
         pixel: state of the pixel.
         mismatch: thresholds of the pixel.
-        noise_rate: rate of all noise events [events/µs].
         drift: drift of the memorised value by leak [ln units/µs].
     """
     level = pixel.change + pixel.leak
@@ -199,5 +193,5 @@ def silent_time_us(pixel: Pixel, mismatch: Mismatch, noise_rate: float, drift: f
     lowest = level + min(total, pixel.second_lag, 0.0) - _WAKE_MARGIN
     if pixel.reset_us > 0.0 or highest >= mismatch.theta_on or lowest <= -mismatch.theta_off:
         return 0.0
-    silent_us = min(pixel.clock / noise_rate, (mismatch.theta_on - highest) / drift)
+    silent_us = min(pixel.clock / abs(mismatch.hot_rate), (mismatch.theta_on - highest) / drift)
     return max(0.0, min(silent_us, LONGEST_SLEEP_US))

@@ -9,8 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.config import SensorConfig
+from emulator.noise.faulty_pixels import draw_crazy_rates, draw_hot_rates
+from emulator.noise.leak import LeakLaw, draw_leak_factors, leak_law
+from emulator.noise.photoreceptor_noise import draw_dark_factors
+from emulator.noise.random_numbers import exponential
 from emulator.pixel.change_detector import draw_thresholds
-from emulator.pixel.noise import NoiseLaw, draw_crazy_rates, draw_hot_rates, exponential, noise_law
 from emulator.pixel.optics import lux_per_cd_m2
 from flybench.kernels import compiled
 
@@ -34,18 +37,21 @@ PIXEL_DTYPE = np.dtype(
         ("theta_on", np.float32),
         ("theta_off", np.float32),
         ("hot_rate", np.float32),
+        ("dark_factor", np.float32),
+        ("leak_factor", np.float32),
     ],
     align=True,
 )
 """State and mismatch of one pixel. It holds differences, not levels, since float32 resolves
-differences to 1e-8. With its luminance and its wake time, a pixel takes 44 bytes: 32 of state, 12
-of mismatch.
+differences to 1e-8. With its luminance, its wake time and the follower, a pixel takes 56 bytes: 36
+of state, 20 of mismatch.
 
 lag: u minus the photoreceptor's output [ln units].
 change: photoreceptor's output minus the memorised value, without leak [ln units].
 leak: contribution of the leak to that difference since the last event [ln units]; in a pixel held
     in reset, where this is zero, minus the rest of the refractory period [µs].
-clock: rest of the unit exponential random number that times the next noise event.
+clock: rest of the unit exponential random number that times the next noise event: it loses the
+    hazard of one.
 draws: number of random numbers used so far.
 updated_us: time at which the state above was computed; the state of a sleeping pixel (constant
     luminance, no event before its wake time) is not updated.
@@ -53,6 +59,8 @@ theta_on: ON threshold [ln units].
 theta_off: OFF threshold, positive [ln units].
 hot_rate: rate of a hot pixel; minus the rate of a crazy pixel, which fires ON and OFF; 0 for other
     pixels [events/µs].
+dark_factor: dark current over that of the median pixel.
+leak_factor: leak over that of the median pixel.
 """
 
 Pixels: TypeAlias = npt.NDArray[Any]
@@ -83,13 +91,14 @@ class PixelModel(NamedTuple):
 
     Attributes:
         lux_per_cd_m2: illuminance on the chip per luminance of the scene.
-        dark_lux: dark current [lux].
+        dark_lux: dark current of the median pixel [lux].
         corner_per_lux: 1/τ of the photoreceptor per lux [1/(µs·lux)].
         corner_limit: 1/τ that the biases allow [1/µs].
         log_limit: u above which the biases limit 1/τ [ln lux].
         refractory_us: refractory period [µs].
         follower_us: time constant of the follower, 0 without a follower [µs].
-        noise: rates of noise as functions of the current.
+        leak: drift of the memorised value.
+        sigma_0: noise of the photoreceptor without limits of the bandwidth [ln units].
         seed: seed of the random numbers in the kernels.
     """
 
@@ -100,7 +109,8 @@ class PixelModel(NamedTuple):
     log_limit: float
     refractory_us: float
     follower_us: float
-    noise: NoiseLaw
+    leak: LeakLaw
+    sigma_0: float
     seed: np.uint64
 
 
@@ -121,12 +131,14 @@ def draw_pixels(config: SensorConfig, rng: np.random.Generator) -> Pixels:
     pixels["theta_on"] = draw_thresholds(config.theta_on, config.theta_mismatch, count, rng)
     pixels["theta_off"] = draw_thresholds(config.theta_off, config.theta_mismatch, count, rng)
     pixels["hot_rate"] = draw_hot_rates(config, rng)
-    faults = rng.spawn(1)[0]
+    faults, spreads = rng.spawn(2)
     crazy_rate = draw_crazy_rates(config, faults)
     pixels["hot_rate"] = np.where(crazy_rate > 0.0, -crazy_rate, pixels["hot_rate"])
     dead = faults.random(count) < config.dead_fraction
     pixels["theta_on"][dead] = pixels["theta_off"][dead] = np.inf
     pixels["hot_rate"][dead] = 0.0
+    pixels["dark_factor"] = draw_dark_factors(config, spreads)
+    pixels["leak_factor"] = draw_leak_factors(config, spreads)
     return pixels
 
 
@@ -141,7 +153,8 @@ def make_model(config: SensorConfig, seed: np.uint64) -> PixelModel:
         log_limit=math.log(config.bandwidth_limit_hz / config.bandwidth_hz_per_lux),
         refractory_us=float(config.refractory_us),
         follower_us=1.0 / (per_hz * config.follower_hz) if config.follower_hz > 0.0 else 0.0,
-        noise=noise_law(config),
+        leak=leak_law(config),
+        sigma_0=config.noise_sigma,
         seed=seed,
     )
 

@@ -15,6 +15,8 @@ import numpy.typing as npt
 from emulator.pixel.active_pixels import GROUP, ActiveMasks, ThreadShare, next_block
 from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
 from emulator.pixel.batch_events import step_others, store_finished
+from emulator.pixel.noisy.batch import follow_quiet
+from emulator.pixel.noisy.step import step_noisy
 from emulator.pixel.state import BLOCK, PixelModel, PixelState, StepTimes
 from emulator.pixel.threshold_crossings import solve_crossings
 from emulator.readout.event_keys import Keys
@@ -119,19 +121,30 @@ def step_pixels(
         MemoryError: there are too many events; the state is half changed.
     """
     used = 0
+    simple = (model.sigma_0 == 0.0) & (model.follower_us == 0.0)
     span_us = np.float64(times.to_us - times.from_us)
     block, blocks = share.part * GROUP, masks.changed.size
     while block < blocks:
         block, count = fill_batch(masks, block, share.parts, batch)
-        gather(state, luminance, times.from_us, batch, count)
-        follow_batch(batch.fields, model, rounded_up(count), span_us)
-        solve_crossings(batch, model, count, span_us)
+        gather(state, model, luminance, times.from_us, batch, count)
+        if simple:
+            follow_batch(batch.fields, model, rounded_up(count), span_us)
+            solve_crossings(batch, model, count, span_us)
+        else:
+            follow_quiet(batch, model, rounded_up(count), span_us)
         if keys.size - used < BATCH:
             keys = doubled(keys, most)
         used = store_finished(state, luminance, times, batch, count, keys, used)
         done = 0
         while done < count:
-            done, used = step_others(state, model, luminance, times, batch, done, count, keys, used)
+            if model.sigma_0 > 0.0:
+                done, used = step_noisy(
+                    state, model, luminance, times, batch, done, count, keys, used
+                )
+            else:
+                done, used = step_others(
+                    state, model, luminance, times, batch, done, count, keys, used
+                )
             if done < count:
                 keys = doubled(keys, most)
     update_block_wake(state, masks, np.int32(times.to_us), share)

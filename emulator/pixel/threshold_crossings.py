@@ -19,6 +19,7 @@ from emulator.pixel.batch import (
     DRIFT,
     END,
     EVENT_TIME,
+    HOT_RATE,
     LAG,
     LEAK,
     LOG_FROM,
@@ -28,7 +29,6 @@ from emulator.pixel.batch import (
     NEW_CLOCK,
     NEW_LAG,
     NEW_LEAK,
-    NOISE_RATE,
     OUTCOME,
     SINGLE,
     THETA_OFF,
@@ -71,7 +71,7 @@ def gather_crossings(batch: Batch, count: int) -> int:
         own[THETA_OFF + m] = fields[THETA_OFF + k]
         own[LOG_FROM + m] = fields[LOG_FROM + k]
         own[LOG_TO + m] = fields[LOG_TO + k]
-        own[NOISE_RATE + m] = fields[NOISE_RATE + k]
+        own[HOT_RATE + m] = fields[HOT_RATE + k]
         own[DRIFT + m] = fields[DRIFT + k]
         own[CORNER + m] = fields[CORNER + k]
         own[END + m] = fields[END + k]
@@ -122,7 +122,8 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
         own[NEW_LAG + k] = new_lag
         own[NEW_CHANGE + k] = new_change
         own[NEW_LEAK + k] = new_leak
-        own[NEW_CLOCK + k] = own[CLOCK + k] - own[NOISE_RATE + k] * (span_us - model.refractory_us)
+        clear_us = span_us - model.refractory_us
+        own[NEW_CLOCK + k] = own[CLOCK + k] - abs(own[HOT_RATE + k]) * clear_us
         own[OUTCOME + k] = SINGLE if sure else CROSSING
         own[EVENT_TIME + k] = s
         leaked = leak + drift * s

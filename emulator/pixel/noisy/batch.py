@@ -1,0 +1,95 @@
+"""Follows many pixels at once through a step without an event: with noise, or with a follower.
+
+Most pixels stay so far from both thresholds that noise cannot carry them across; they need only
+their state at the end of the step. The others are taken through it one by one
+(`emulator.pixel.noisy.step`, or `emulator.pixel.batch_events` without noise).
+"""
+
+from __future__ import annotations
+
+from emulator.noise.first_passage import H_MAX
+from emulator.noise.leak import leak_drift
+from emulator.noise.photoreceptor_noise import noise_of
+from emulator.pixel.batch import (
+    CHANGE,
+    CLOCK,
+    DARK_LUX,
+    DRIFT,
+    HOT_RATE,
+    LAG,
+    LEAK,
+    LEAK_FACTOR,
+    LOG_FROM,
+    LOG_TO,
+    LUMINANCE_FROM,
+    LUMINANCE_TO,
+    NEW_CHANGE,
+    NEW_CLOCK,
+    NEW_LAG,
+    NEW_LEAK,
+    NEW_SECOND_LAG,
+    OTHER,
+    OUTCOME,
+    REST,
+    SECOND_LAG,
+    SILENT,
+    THETA_OFF,
+    THETA_ON,
+    Batch,
+)
+from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
+from emulator.pixel.source_follower import amplitudes, separated
+from emulator.pixel.state import PixelModel
+from flybench.kernels import compiled
+from flybench.portable_math import exp
+
+
+@compiled
+def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) -> None:
+    """Follow the first `count` pixels through `span_us`; SILENT are those that stay far away."""
+    fields, changed = batch.fields, batch.changed
+    per_us = 1.0 / span_us
+    per_cd_m2 = model.lux_per_cd_m2
+    has_follower = model.follower_us > 0.0
+    for k in range(count):
+        lag, leak, second_lag = fields[LAG + k], fields[LEAK + k], fields[SECOND_LAG + k]
+        dark_lux = fields[DARK_LUX + k]
+        log_from = log_current(fields[LUMINANCE_FROM + k] * per_cd_m2, dark_lux)
+        log_to = log_current(fields[LUMINANCE_TO + k] * per_cd_m2, dark_lux)
+        current_lux = exp(0.5 * (log_from + log_to))
+        corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
+        tau_us = 1.0 / corner
+        drift = leak_drift(model.leak, current_lux - dark_lux, fields[LEAK_FACTOR + k])
+        noise = noise_of(model.sigma_0, corner, model.corner_per_lux * current_lux, model.follower_us)
+        rise = log_to - log_from
+        slope = rise * per_us
+        decay = exp(-span_us * corner)
+        new_lag = lag_after(lag, slope, tau_us, decay)
+        new_second = 0.0
+        if has_follower:
+            follower_us = separated(tau_us, model.follower_us)
+            coupling, own = amplitudes(lag, second_lag, slope, tau_us, follower_us)
+            coupling -= lag - slope * tau_us
+            second_decay = exp(-span_us / follower_us)
+            new_second = slope * follower_us + coupling * decay + own * second_decay
+        new_change = fields[CHANGE + k] + rise - (new_lag - lag) - (new_second - second_lag)
+        new_leak = leak + drift * span_us
+        total = lag + second_lag
+        end = total + rise
+        level, margin = fields[CHANGE + k] + leak, H_MAX * noise.sigma
+        high = level + max(max(second_lag, total), max(end, 0.0)) + margin + drift * span_us
+        low = level + min(min(second_lag, total), min(end, 0.0)) - margin
+        within = (high < fields[THETA_ON + k]) & (low > -fields[THETA_OFF + k])
+        awake = (fields[REST + k] == 0.0) & (leak >= 0.0) & changed[k]
+        bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
+        short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
+        quiet = within & awake & (bright | short) & (fields[HOT_RATE + k] == 0.0)
+        fields[LOG_FROM + k] = log_from
+        fields[LOG_TO + k] = log_to
+        fields[NEW_LAG + k] = new_lag
+        fields[NEW_CHANGE + k] = new_change
+        fields[NEW_LEAK + k] = new_leak
+        fields[NEW_CLOCK + k] = fields[CLOCK + k]
+        fields[NEW_SECOND_LAG + k] = new_second
+        fields[DRIFT + k] = drift
+        fields[OUTCOME + k] = SILENT if quiet else OTHER

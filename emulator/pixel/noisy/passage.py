@@ -1,0 +1,229 @@
+"""When noise carries one pixel across a threshold.
+
+Between events only the mean d(s) of the difference to the memorised value is followed; it is known
+in closed form. The noise around it is not: it is stationary, with a standard deviation σ, and the
+pixel has a clock that starts at a unit exponential random number and loses the hazard
+
+    Λ' = [ν(h_on)/(1 + s·h_on) + ν(h_off)/(1 + s·h_off)]/τ + B_on + B_off
+    h_on = (θ_on − d)/σ,  h_off = (θ_off + d)/σ,  B = max(0, −h')·φ(h)/Φ(h)
+
+(`emulator.noise.first_passage`; the factor with s is for two low-passes in a row, see
+`emulator.noise.photoreceptor_noise`). When it reaches 0, there is an event. Over a piece of time in
+which d is monotone, the integral of B is a difference of −ln Φ(h). As σ falls, B makes the crossing
+as sharp as that of a pixel without noise.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from emulator.noise.first_passage import H_MAX, decay_rate, surprise
+from emulator.noise.photoreceptor_noise import Noise
+from emulator.pixel.segment import Mismatch, Pixel, Segment
+from emulator.pixel.source_follower import amplitudes, separated
+from emulator.pixel.state import PixelModel
+from flybench.kernels import compiled, inlined
+from flybench.portable_math import exp
+
+LONGEST_US = 2.0**29
+"""Longest piece: the times of a pixel are kept modulo 2^32 µs."""
+
+_LARGEST_MOVE = 0.7
+"""Distance that d may move in a piece, in units of σ, if the piece is not short."""
+
+_SHORT = 0.1
+"""Length of a piece, in units of the correlation time, in which d may move farther: the noise
+hardly changes meanwhile."""
+
+_ROUNDS_MAX = 40
+_TIME_TOLERANCE_US = 0.05
+_PER_ROOT_2_PI = 1.0 / math.sqrt(2.0 * math.pi)
+
+
+class NoisyCourse(NamedTuple):
+    """The mean difference d(s), and the noise around it.
+
+    d(s) = start + rate·s + a·(1 − exp(−s/τ1)) + b·(1 − exp(−s/τ2)).
+
+    Attributes:
+        start: d(0).
+        rate: steady slope of d [1/µs].
+        a: amplitude of the exponential of the photoreceptor.
+        b: amplitude of the exponential of the follower.
+        corner: 1/τ1 [1/µs].
+        second_corner: 1/τ2, 0 without a follower [1/µs].
+        noise: noise of the photoreceptor.
+    """
+
+    start: float
+    rate: float
+    a: float
+    b: float
+    corner: float
+    second_corner: float
+    noise: Noise
+
+
+@inlined
+def noisy_course(pixel: Pixel, segment: Segment, model: PixelModel) -> NoisyCourse:
+    """Return the course of a pixel that is not in reset."""
+    start, rate = pixel.change + pixel.leak, segment.slope + segment.leak_drift
+    tau_us = segment.tau_us
+    a, b, second_corner = pixel.lag - segment.slope * tau_us, 0.0, 0.0
+    if model.follower_us > 0.0:
+        follower_us = separated(tau_us, model.follower_us)
+        a, b = amplitudes(pixel.lag, pixel.second_lag, segment.slope, tau_us, follower_us)
+        second_corner = 1.0 / follower_us
+    return NoisyCourse(start, rate, a, b, segment.corner, second_corner, segment.noise)
+
+
+@inlined
+def mean_difference(course: NoisyCourse, s_us: float) -> float:
+    """Return d(s)."""
+    first, second = exp(-s_us * course.corner), exp(-s_us * course.second_corner)
+    return course.start + course.rate * s_us + course.a * (1.0 - first) + course.b * (1.0 - second)
+
+
+@inlined
+def mean_slope(course: NoisyCourse, s_us: float) -> float:
+    """Return the slope of d(s) [1/µs]."""
+    first, second = exp(-s_us * course.corner), exp(-s_us * course.second_corner)
+    return (
+        course.rate
+        + course.a * course.corner * first
+        + course.b * course.second_corner * second
+    )
+
+
+@inlined
+def distances(noise: Noise, mismatch: Mismatch, d: float) -> tuple[float, float]:
+    """Return the distances h of d from the ON and the OFF threshold, in units of σ."""
+    return (mismatch.theta_on - d) / noise.sigma, (mismatch.theta_off + d) / noise.sigma
+
+
+@inlined
+def diffusion_rate(noise: Noise, h: float) -> float:
+    """Return the hazard of noise at a distance `h` that does not change [1/µs]."""
+    return decay_rate(h) * noise.per_tau / (1.0 + noise.smoothing * max(h, 0.0))
+
+
+@inlined
+def hazard_rate(course: NoisyCourse, mismatch: Mismatch, d: float) -> float:
+    """Return the hazard of both thresholds and of a hot pixel while d does not change [1/µs]."""
+    h_on, h_off = distances(course.noise, mismatch, d)
+    noise = course.noise
+    hot = abs(mismatch.hot_rate)
+    return diffusion_rate(noise, h_on) + diffusion_rate(noise, h_off) + hot
+
+
+@inlined
+def approach_hazard(noise: Noise, mismatch: Mismatch, before: float, after: float) -> float:
+    """Return the hazard that d adds as it moves, monotone, from `before` to `after`."""
+    on_before, off_before = distances(noise, mismatch, before)
+    on_after, off_after = distances(noise, mismatch, after)
+    on = max(surprise(on_after) - surprise(on_before), 0.0)
+    off = max(surprise(off_after) - surprise(off_before), 0.0)
+    return on + off
+
+
+@inlined
+def quiet_us(
+    pixel: Pixel, segment: Segment, mismatch: Mismatch, model: PixelModel, span_us: float
+) -> float:
+    """Return how long noise certainly stays away from the thresholds, within `span_us` [µs].
+
+    The output is between its present value, that of the photoreceptor and the input, which moves to
+    the end of a ramp. The leak is counted on top. Beyond 7 σ there is no noise.
+    """
+    total = pixel.lag + pixel.second_lag
+    end = total + segment.slope * span_us
+    d, margin = pixel.change + pixel.leak, H_MAX * segment.noise.sigma
+    high = d + max(max(pixel.second_lag, total), max(end, 0.0)) + margin
+    low = d + min(min(pixel.second_lag, total), min(end, 0.0)) - margin
+    if mismatch.hot_rate != 0.0 or low <= -mismatch.theta_off or high >= mismatch.theta_on:
+        return 0.0
+    return (mismatch.theta_on - high) / segment.leak_drift
+
+
+@inlined
+def piece_us(course: NoisyCourse, mismatch: Mismatch) -> float:
+    """Return the length of the next piece of time, over which the hazard is integrated [µs].
+
+    The piece ends before noise comes within 7 σ, or is so short that d moves by less than σ or the
+    noise hardly changes.
+    """
+    noise = course.noise
+    speed = abs(course.rate) + abs(course.a) * course.corner + abs(course.b) * course.second_corner
+    h_on, h_off = distances(noise, mismatch, course.start)
+    move = max(_LARGEST_MOVE, min(h_on, h_off) - H_MAX)
+    return min(max(move * noise.sigma / speed, _SHORT / noise.per_tau), LONGEST_US)
+
+
+@inlined
+def piece_hazard(course: NoisyCourse, mismatch: Mismatch, span_us: float) -> tuple[float, float]:
+    """Return the hazard of a piece: of noise, by Simpson's rule, and of the approach of d."""
+    middle, end = mean_difference(course, 0.5 * span_us), mean_difference(course, span_us)
+    steady = (
+        hazard_rate(course, mismatch, course.start)
+        + 4.0 * hazard_rate(course, mismatch, middle)
+        + hazard_rate(course, mismatch, end)
+    ) * (span_us / 6.0)
+    return steady, approach_hazard(course.noise, mismatch, course.start, end)
+
+
+@compiled
+def passage_us(
+    course: NoisyCourse, mismatch: Mismatch, clock: float, steady: float, span_us: float
+) -> float:
+    """Return the time at which the hazard of a piece has used up the clock [µs].
+
+    The Illinois method. The steady hazard is spread evenly over the piece.
+
+    Args:
+        course: mean difference and noise.
+        mismatch: thresholds of the pixel.
+        clock: rest of the clock, which the hazard of the whole piece exceeds.
+        steady: hazard of noise in the whole piece.
+        span_us: length of the piece [µs].
+    """
+    low, high = 0.0, span_us
+    below = -clock
+    above = steady - clock
+    above += approach_hazard(course.noise, mismatch, course.start, mean_difference(course, high))
+    side = 0
+    for _ in range(_ROUNDS_MAX):
+        s = high - above * (high - low) / (above - below)
+        d = mean_difference(course, s)
+        value = steady * s / span_us - clock
+        value += approach_hazard(course.noise, mismatch, course.start, d)
+        if value >= 0.0:
+            high, above = s, value
+            below *= 0.5 if side > 0 else 1.0
+            side = 1
+        else:
+            low, below = s, value
+            above *= 0.5 if side < 0 else 1.0
+            side = -1
+        if high - low < _TIME_TOLERANCE_US:
+            break
+    return high
+
+
+@inlined
+def hazards_at(
+    course: NoisyCourse, mismatch: Mismatch, s_us: float, d: float
+) -> tuple[float, float]:
+    """Return the hazards of the ON and of the OFF threshold at a time, hot pixels aside [1/µs]."""
+    noise = course.noise
+    h_on, h_off = distances(noise, mismatch, d)
+    speed = mean_slope(course, s_us) / noise.sigma
+    on = diffusion_rate(noise, h_on) + max(speed, 0.0) * inverse_mills(h_on)
+    off = diffusion_rate(noise, h_off) + max(-speed, 0.0) * inverse_mills(h_off)
+    return on, off
+
+
+@inlined
+def inverse_mills(h: float) -> float:
+    """Return φ(h)/Φ(h), with φ the density of the normal distribution."""
+    return _PER_ROOT_2_PI * exp(surprise(h) - 0.5 * h * h)
