@@ -3,8 +3,10 @@
 Sources: Lichtsteiner 2008 = Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008 (DVS128);
 Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240); Nozaki 2017 = Nozaki, Delbruck,
 IEEE TED 64(8), 2017 (leak); Joubert 2021 = Joubert et al., Front. Neurosci. 15, 2021 (background
-activity recorded from 50×50 pixels); Taverni 2018 = Taverni et al., IEEE TCAS-II 65(5), 2018
-(DAVIS346); v2e = Hu, Liu, Delbruck, CVPRW 2021.
+activity recorded from 50×50 pixels, whose counts and intervals are published); Taverni 2018 =
+Taverni et al., IEEE TCAS-II 65(5), 2018 (DAVIS346); Graça 2021 = Graça, Delbruck, IISW 2021 (noise
+of the photoreceptor); cradle and lab = two clips of a DAVIS346, see docs/real-recordings.md; v2e =
+Hu, Liu, Delbruck, CVPRW 2021.
 """
 
 from __future__ import annotations
@@ -55,9 +57,7 @@ _RANGES = {
     "noise_sigma": Range(
         0.0, 1.0, remedy="Use 0 to switch the noise of the photoreceptor off; 0.07 is usual."
     ),
-    "dark_current_spread": Range(
-        0.0, 3.0, remedy="Use 0 for the same dark current in all pixels."
-    ),
+    "dark_current_spread": Range(0.0, 3.0, remedy="Use 0 for the same dark current in all pixels."),
     "temperature_c": Range(
         -60.0, 150.0, remedy="Give the temperature of the chip in °C, such as 25."
     ),
@@ -89,34 +89,50 @@ class SensorConfig:
             pixel pitch it sets the field of view.
         f_number: lens aperture, focal length over diameter (assumed: a fast lens, for the night).
         transmission: fraction of the incident light that passes the lens (assumed: coated glass).
-        dark_lux: dark current of the photodiode, as the illuminance on the chip that gives the
-            same current [lux]. Its order follows from Lichtsteiner 2008: usable down to 0.1 lux on
-            the scene through f/1.2, which is 0.1/(4·1.2²) = 0.017 lux on the chip for a white
+        dark_lux: median dark current of the photodiodes, as the illuminance on the chip that gives
+            the same current [lux]. Its order follows from Lichtsteiner 2008: usable down to 0.1 lux
+            on the scene through f/1.2, which is 0.1/(4·1.2²) = 0.017 lux on the chip for a white
             scene.
-        theta_on: rise of ln(current) that causes an ON event (v2e, from the maker's biases).
-        theta_off: fall of ln(current) that causes an OFF event (v2e, from the maker's biases).
-        theta_mismatch: standard deviation of either threshold over the pixels (Brandli 2014:
-            3.5 %). A threshold drawn below 0.01 is set to 0.01 (assumed): with a mismatch as large
-            as the threshold, such as 1, the spread is no longer normal, and many pixels are at
-            0.01.
+        theta_on: rise of ln(current) that causes an ON event (assumed: the maker's bias codes give
+            0.283, see `emulator.biases`; events of known edges would give about 0.4).
+        theta_off: fall of ln(current) that causes an OFF event: 1.25 times `theta_on`, the ratio of
+            ON to OFF events on the dark floor of cradle. A detector that resets to what it sees
+            conserves θ_on·rate_on − θ_off·rate_off = leak; Joubert 2021 gives 1.33.
+        theta_mismatch: standard deviation of either threshold over the pixels: 8.5 % of the ON
+            threshold (Joubert 2021: scatter of ln(ON/OFF) over the pixels). A threshold drawn below
+            0.01 is set to 0.01 (assumed): with a mismatch as large as the threshold, such as 1, the
+            spread is no longer normal, and many pixels are at 0.01.
         bandwidth_hz_per_lux: cutoff of the photoreceptor per lux on the chip [Hz/lux]. Assumed,
             from f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of
             v2e's night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that
             illuminates an 18 % grey scene seen through f/1.2 (31 lux on the chip).
         bandwidth_limit_hz: cutoff that the biases allow in bright light [Hz] (Lichtsteiner 2008).
         follower_hz: cutoff of the source follower behind the photoreceptor, which makes the pixel
-            second order and the emulation slower [Hz]; 0 leaves it out (as v2e does).
-        refractory_us: time after an event during which a pixel is held in reset [µs] (maker's
-            default biases).
-        leak_hz: rate of ON events of the junction leak per pixel in the dark [Hz] (Nozaki 2017,
-            v2e).
-        leak_hz_per_lux: rate of ON events that parasitic photocurrent adds per lux on the chip
-            [Hz/lux]. Fitted to Joubert 2021: 0.104 Hz ON at 161 lux and 0.172 Hz at 3 klux are,
-            within 1 %, 0.1 Hz + 2.4e-5 Hz/lux, as the leak of Nozaki 2017 grows with light.
-        shot_noise_scale: factor on the published shot noise rates (see `emulator.pixel.noise`).
-        hot_fraction: fraction of hot pixels (assumed: about one in the 50×50 of Joubert 2021).
-        hot_hz_min: rate of the slowest hot pixel [Hz] (Joubert 2021).
-        hot_hz_max: rate of the fastest hot pixel [Hz] (Joubert 2021).
+            second order [Hz]; 0 leaves it out (as v2e does). 286 Hz is what the maker's bias codes
+            give (`emulator.biases`); without it the noise at 1 to 10 lux would be ten times what
+            any camera shows.
+        refractory_us: time after an event during which a pixel is held in reset [µs]. Lab: of
+            97 445 intervals of a pixel, one is shorter than 250 µs, 272 are from 250 to 300 µs.
+        leak_hz: rate of ON events of the junction leak in the dark, of the median pixel [Hz].
+            Joubert 2021: 0.055 Hz at 161 lux. The bright wall of cradle shows less than 0.005 Hz.
+        leak_hz_per_lux: rate of ON events that parasitic photocurrent adds per lux on the chip, in
+            the median pixel [Hz/lux] (Joubert 2021: 0.125 Hz at 3 klux; Nozaki 2017 explains it).
+        leak_spread: standard deviation of ln(leak) over nine tenths of the pixels (Joubert 2021:
+            0.45 at 161 lux, 0.3 at 3 klux, from the histograms of intervals).
+        leak_tail_fraction: fraction of pixels with a higher leak, see `emulator.noise.leak`
+            (Joubert 2021). The noisiest of them are the hot pixels.
+        leak_tail_spread: standard deviation of ln(leak) over those pixels (Joubert 2021).
+        noise_sigma: standard deviation σ0 of the noise at the photoreceptor's output while its
+            bandwidth is proportional to the light [ln units]; 0 is no noise. It is a quarter of
+            `theta_on` for the rate on the dark floor of cradle; q/(C·U) gives 0.034 to 0.041, Graça
+            2021 0.043 to 0.073. See `emulator.noise.photoreceptor_noise`.
+        dark_current_spread: standard deviation of ln(dark current) over the pixels (Joubert 2021:
+            spread of ln(rate) at 0.1 lux. Assumed: log-normal, and a spread of the dark current
+            rather than of the noise).
+        hot_fraction: fraction of pixels that fire ON at a high rate, whatever the light (assumed:
+            none, since the tail of the leak contains them).
+        hot_hz_min: rate of the slowest of them [Hz] (Joubert 2021: 18 and 45 Hz).
+        hot_hz_max: rate of the fastest of them [Hz] (Joubert 2021).
         temperature_c: temperature of the chip [°C]. `dark_lux` and `leak_hz` are given at 25 °C
             (assumed) and grow with it (Nozaki 2017: both follow an Arrhenius law).
         dark_doubling_k: rise that doubles the dark current [K] (assumed: 6 to 8 K in silicon).
@@ -214,9 +230,10 @@ class SensorConfig:
 
     @classmethod
     def noise_free(cls, *, width: int = 346, height: int = 260) -> Self:
-        """Return a sensor without leak, shot noise, hot pixels, crazy pixels and APS noise.
+        """Return a sensor without leak, photoreceptor noise, hot and crazy pixels and APS noise.
 
-        Thresholds with their mismatch, bandwidth and refractory period are the defaults.
+        Thresholds and dark current with their mismatch, bandwidth and refractory period are the
+        defaults.
         """
         return cls(
             width=width,

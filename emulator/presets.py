@@ -35,6 +35,7 @@ PresetName = Literal[
     "ideal",
     "v2e_clean",
     "v2e_noisy",
+    "davis346_2026_11",
 ]
 """Names that `preset` accepts."""
 
@@ -42,9 +43,6 @@ WITHOUT_FRAMES: frozenset[PresetName] = frozenset(
     {"dvs128", "atis", "dvxplorer", "gen31", "imx636"}
 )
 """Presets of chips without an APS. The emulator also returns frames for them; ignore those."""
-
-_UNLIMITED_HZ_PER_LUX = 1e15
-_V2E_SHOT_HZ = 5.0
 
 
 def preset(name: PresetName) -> SensorConfig:
@@ -54,7 +52,7 @@ def preset(name: PresetName) -> SensorConfig:
         name: `davis346`, the default; `davis240` and `dvs128`, its predecessors; `atis`; the
             `dvxplorer` of iniVation; Prophesee's `gen31` (VGA) and `imx636` (EVK4); `ideal`,
             without noise, mismatch and limits; `v2e_clean` and `v2e_noisy`, the parameters of that
-            emulator in this model.
+            emulator in this model; `davis346_2026_11`, the default before December 2026.
 
     Raises:
         SensorConfigError: unknown name.
@@ -166,24 +164,48 @@ def _v2e_clean() -> SensorConfig:
 def _v2e_noisy() -> SensorConfig:
     """v2e's `noisy`: thresholds of 0.2 ± 0.05, cutoff 30 Hz, leak 0.1 Hz, shot noise 5 Hz.
 
-    In v2e, shot noise falls to a quarter from dark to bright. Here it follows the published law,
-    and has 5 Hz, ON and OFF together, in the dark.
+    In v2e, shot noise falls to a quarter from dark to bright. Here it is noise that crosses the
+    thresholds. Assumed: it has 5 Hz, ON and OFF together, at the lowest light with the full cutoff,
+    which is at 1 lux on the chip.
     """
-
     return SensorConfig(
         theta_on=0.2,
         theta_off=0.2,
         theta_mismatch=0.05,
-        bandwidth_hz_per_lux=_UNLIMITED_HZ_PER_LUX,
+        bandwidth_hz_per_lux=30.0,
         bandwidth_limit_hz=30.0,
         follower_hz=0.0,
         refractory_us=0,
         leak_hz=0.1,
         leak_hz_per_lux=0.0,
+        leak_spread=0.0,
+        leak_tail_fraction=0.0,
         noise_sigma=0.068,
-        hot_fraction=0.0,
+        dark_current_spread=0.0,
         readout=UNLIMITED,
         aps=ApsConfig(),
+    )
+
+
+def _davis346_2026_11() -> SensorConfig:
+    """The default before December 2026, to compare results with.
+
+    Its shot noise did not depend on the thresholds; `noise_sigma` is chosen for the same 9.8 Hz, ON
+    and OFF together, at 0.1 lux on the chip.
+    """
+    return SensorConfig(
+        theta_on=0.18,
+        theta_off=0.22,
+        theta_mismatch=0.035,
+        follower_hz=0.0,
+        refractory_us=3,
+        leak_hz=0.1,
+        leak_hz_per_lux=2.4e-5,
+        leak_spread=0.0,
+        leak_tail_fraction=0.0,
+        noise_sigma=0.0756,
+        dark_current_spread=0.0,
+        hot_fraction=4e-4,
     )
 
 
@@ -198,4 +220,5 @@ _PRESETS: dict[PresetName, Callable[[], SensorConfig]] = {
     "ideal": SensorConfig.ideal,
     "v2e_clean": _v2e_clean,
     "v2e_noisy": _v2e_noisy,
+    "davis346_2026_11": _davis346_2026_11,
 }

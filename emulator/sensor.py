@@ -27,6 +27,7 @@ from emulator.pixel.active_pixels import (
     mark_blocks_within,
 )
 from emulator.pixel.batch import empty_batch
+from emulator.pixel.noisy.settle import settle
 from emulator.pixel.state import (
     Pixels,
     PixelState,
@@ -178,6 +179,8 @@ class EventSensor:
     def _begin(self, t_us: int, frame: npt.NDArray[np.float32]) -> None:
         check_luminance(frame)
         self._state = settled_state(frame.ravel(), self._model, self._pixels)
+        if self._model.sigma_0 > 0.0:
+            settle(self._state, self._model)
         self._aps.begin(t_us, frame)
         self._first_us = self._last_us = t_us
 

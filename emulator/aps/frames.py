@@ -24,8 +24,8 @@ from emulator.aps.exposure import (
     expose_rows,
 )
 from emulator.errors import FrameError
-from emulator.pixel.active_pixels import Masks
 from emulator.noise.random_numbers import draw_gaussians
+from emulator.pixel.active_pixels import Masks
 from flybench.memory import check_memory
 
 _RANDOM_STREAM = 1

@@ -44,9 +44,7 @@ class Noise(NamedTuple):
 
 
 @inlined
-def noise_of(
-    sigma_0: float, corner: float, open_corner: float, follower_us: float
-) -> Noise:
+def noise_of(sigma_0: float, corner: float, open_corner: float, follower_us: float) -> Noise:
     """Return the noise of a pixel.
 
     Args:

@@ -14,11 +14,11 @@ import numpy as np
 
 from emulator.noise.random_numbers import exponential, gaussian, uniform
 from emulator.pixel.noisy.passage import (
+    LONGEST_US,
     hazards_at,
     mean_difference,
     noisy_course,
     passage_us,
-    LONGEST_US,
     piece_hazard,
     piece_us,
     quiet_us,
@@ -134,7 +134,7 @@ def advance_noisy(
     if pixel.reset_us > 0.0:
         wait_us = pixel.reset_us if still else min(pixel.reset_us, left_us)
         return leave_reset(pixel, segment, model, index, wait_us), wait_us, NO_EVENT
-    silent_us = quiet_us(pixel, segment, mismatch, model, left_us)
+    silent_us = quiet_us(pixel, segment, mismatch, left_us)
     quiet = silent_us >= (1.0 if still else left_us)
     course = noisy_course(pixel, segment, model)
     span_us = silent_us if quiet else piece_us(course, mismatch)
@@ -149,9 +149,7 @@ def advance_noisy(
             return pixel, event_us, mark
         clock -= steady + approach
     after = without_event(pixel, segment, model, span_us, exp(-span_us * segment.corner))
-    after = Pixel(
-        after.lag, after.change, after.leak, clock, 0.0, after.draws, after.second_lag
-    )
+    after = Pixel(after.lag, after.change, after.leak, clock, 0.0, after.draws, after.second_lag)
     return after, span_us, NO_EVENT
 
 

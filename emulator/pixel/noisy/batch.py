@@ -60,7 +60,9 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
         corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
         tau_us = 1.0 / corner
         drift = leak_drift(model.leak, current_lux - dark_lux, fields[LEAK_FACTOR + k])
-        noise = noise_of(model.sigma_0, corner, model.corner_per_lux * current_lux, model.follower_us)
+        noise = noise_of(
+            model.sigma_0, corner, model.corner_per_lux * current_lux, model.follower_us
+        )
         rise = log_to - log_from
         slope = rise * per_us
         decay = exp(-span_us * corner)

@@ -89,11 +89,7 @@ def mean_difference(course: NoisyCourse, s_us: float) -> float:
 def mean_slope(course: NoisyCourse, s_us: float) -> float:
     """Return the slope of d(s) [1/µs]."""
     first, second = exp(-s_us * course.corner), exp(-s_us * course.second_corner)
-    return (
-        course.rate
-        + course.a * course.corner * first
-        + course.b * course.second_corner * second
-    )
+    return course.rate + course.a * course.corner * first + course.b * course.second_corner * second
 
 
 @inlined
@@ -128,9 +124,7 @@ def approach_hazard(noise: Noise, mismatch: Mismatch, before: float, after: floa
 
 
 @inlined
-def quiet_us(
-    pixel: Pixel, segment: Segment, mismatch: Mismatch, model: PixelModel, span_us: float
-) -> float:
+def quiet_us(pixel: Pixel, segment: Segment, mismatch: Mismatch, span_us: float) -> float:
     """Return how long noise certainly stays away from the thresholds, within `span_us` [µs].
 
     The output is between its present value, that of the photoreceptor and the input, which moves to

@@ -1,0 +1,97 @@
+"""Lets noisy pixels settle to a scene, so that a recording does not begin with a burst.
+
+A pixel that has looked at the scene for a long time has fired and been reset at random. Its leak
+phase and its noise cannot be drawn from a simple distribution. Each pixel is therefore taken
+through still light before the first sample, as long as its events need to forget the start.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from emulator.noise.random_numbers import uniform
+from emulator.pixel.noisy.advance import advance_noisy, as_stored
+from emulator.pixel.photoreceptor import log_current
+from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
+from emulator.pixel.single_pixel import NO_EVENT
+from emulator.pixel.state import BLOCK, PixelModel, PixelState
+from flybench.kernels import compiled
+
+_LONGEST_US = 10e6
+"""Time after which a pixel has settled (assumed: half the time that the leak of the median pixel
+needs from one event to the next)."""
+
+_EVENTS = 8
+"""Number of events after which a pixel has settled (assumed)."""
+
+
+@compiled
+def run_still(
+    pixel: Pixel,
+    segment: Segment,
+    mismatch: Mismatch,
+    model: PixelModel,
+    index: int,
+    span_us: float,
+    most: int,
+) -> tuple[Pixel, float, float, int]:
+    """Take a pixel through still light for `span_us`, or to its event number `most`.
+
+    Returns:
+        The state after the last piece, its time, the end of the next piece [µs], and the number of
+        events.
+    """
+    at_us, events = 0.0, 0
+    while True:
+        after, spent_us, mark = advance_noisy(pixel, segment, mismatch, model, index, 0.0, True)
+        if at_us + spent_us > span_us or events == most:
+            return pixel, at_us, at_us + spent_us, events
+        at_us += spent_us
+        pixel = as_stored(after)
+        events += mark != NO_EVENT
+
+
+@compiled
+def settle(state: PixelState, model: PixelModel) -> None:
+    """Let all pixels settle to the luminance of the state, which is changed in place.
+
+    A pixel with many events is stopped at a random time before the last of them: a time that it
+    chose itself would always be just after an event.
+    """
+    pixels, second_lags, wake_us = state.pixels, state.second_lag, state.wake_us
+    for i in range(pixels.size):
+        own = pixels[i]
+        mismatch = Mismatch(
+            np.float64(own.theta_on),
+            np.float64(own.theta_off),
+            np.float64(own.hot_rate),
+            own.dark_factor * model.dark_lux,
+            np.float64(own.leak_factor),
+        )
+        lux = state.luminance[i] * model.lux_per_cd_m2
+        level = log_current(lux, mismatch.dark_lux)
+        segment = make_segment(model, mismatch, level, level, 1.0)
+        fresh = Pixel(
+            0.0, 0.0, np.float64(own.leak), np.float64(own.clock), 0.0, np.int64(own.draws), 0.0
+        )
+        stop_us = _LONGEST_US
+        pixel, at_us, next_us, events = run_still(
+            fresh, segment, mismatch, model, i, stop_us, _EVENTS
+        )
+        if events == _EVENTS:
+            stop_us = np.floor(at_us * (0.5 + 0.5 * uniform(model.seed, i, own.draws)))
+            pixel, at_us, next_us, _ = run_still(
+                fresh, segment, mismatch, model, i, stop_us, _EVENTS
+            )
+        own.lag = pixel.lag
+        own.change = pixel.change
+        own.leak = -pixel.reset_us if pixel.reset_us > 0.0 else pixel.leak
+        own.clock = pixel.clock
+        own.draws = pixel.draws
+        own.updated_us = np.int32(at_us - stop_us)
+        wake_us[i] = np.int32(next_us - stop_us)
+        if second_lags.size > i:
+            second_lags[i] = pixel.second_lag
+    for block in range(state.block_wake_us.size):
+        first = block * BLOCK
+        state.block_wake_us[block] = wake_us[first : first + BLOCK].min()
