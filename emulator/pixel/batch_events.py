@@ -96,7 +96,6 @@ def store_finished(
         Number of entries of `keys` then in use.
     """
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
-    second_lags = state.second_lag
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
     for k in range(count):
@@ -116,8 +115,7 @@ def store_finished(
         own.leak = leak
         own.clock = clock
         own.updated_us = now_us
-        if second_lags.size > i:
-            second_lags[i] = second_lag
+        own.second_lag = second_lag
         before[i] = luminance[i]
         pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), second_lag)
         mismatch = mismatch_of(fields, k)
@@ -157,7 +155,6 @@ def step_others(
     step_us = times.to_us - times.from_us
     span_us = np.float64(step_us)
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
-    second_lags = state.second_lag
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     for k in range(first, count):
         if fields[OUTCOME + k] >= SILENT:
@@ -198,8 +195,7 @@ def step_others(
         own.clock = pixel.clock
         own.draws = pixel.draws
         own.updated_us = np.int32(times.to_us)
-        if second_lags.size > i:
-            second_lags[i] = pixel.second_lag
+        own.second_lag = pixel.second_lag
         before[i] = luminance[i]
         wake_us[i] = wake_time_us(pixel, mismatch, fields[DRIFT + k], changed, times.to_us)
     return count, used

@@ -29,6 +29,7 @@ greater, since a pixel sleeps for 18 minutes at most."""
 PIXEL_DTYPE = np.dtype(
     [
         ("lag", np.float32),
+        ("second_lag", np.float32),
         ("change", np.float32),
         ("leak", np.float32),
         ("clock", np.float32),
@@ -47,6 +48,7 @@ differences to 1e-8. With its luminance, its wake time and the follower, a pixel
 of state, 20 of mismatch.
 
 lag: u minus the photoreceptor's output [ln units].
+second_lag: photoreceptor's output minus the follower's, 0 without a follower [ln units].
 change: photoreceptor's output minus the memorised value, without leak [ln units].
 leak: contribution of the leak to that difference since the last event [ln units]; in a pixel held
     in reset, where this is zero, minus the rest of the refractory period [µs].
@@ -75,15 +77,12 @@ class PixelState(NamedTuple):
         wake_us: (pixels,) time before which no event is possible unless the luminance changes.
         block_wake_us: (blocks,) earliest `wake_us` of each block.
         pixels: (pixels,) state and mismatch of each pixel.
-        second_lag: (pixels,) photoreceptor's output minus the follower's [ln units]; (0,) without
-            a follower.
     """
 
     luminance: Floats
     wake_us: Ticks
     block_wake_us: Ticks
     pixels: Pixels
-    second_lag: Floats
 
 
 class PixelModel(NamedTuple):
@@ -187,5 +186,4 @@ def settled_state(luminance: Floats, model: PixelModel, pixels: Pixels) -> Pixel
         wake_us=np.zeros(luminance.size, np.int32),
         block_wake_us=np.zeros(-(-luminance.size // BLOCK), np.int32),
         pixels=pixels,
-        second_lag=np.zeros(luminance.size if model.follower_us > 0.0 else 0, np.float32),
     )

@@ -16,6 +16,7 @@ from emulator.pixel.active_pixels import GROUP, ActiveMasks, ThreadShare, next_b
 from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
 from emulator.pixel.batch_events import step_others, store_finished
 from emulator.pixel.noisy.batch import follow_quiet
+from emulator.pixel.noisy.near_batch import solve_near
 from emulator.pixel.noisy.step import step_noisy
 from emulator.pixel.state import BLOCK, PixelModel, PixelState, StepTimes
 from emulator.pixel.threshold_crossings import solve_crossings
@@ -132,6 +133,7 @@ def step_pixels(
             solve_crossings(batch, model, count, span_us)
         else:
             follow_quiet(batch, model, rounded_up(count), span_us)
+            solve_near(batch, model, count, span_us)
         if keys.size - used < BATCH:
             keys = doubled(keys, most)
         used = store_finished(state, luminance, times, batch, count, keys, used)

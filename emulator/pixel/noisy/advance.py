@@ -15,6 +15,7 @@ import numpy as np
 from emulator.noise.random_numbers import exponential, gaussian, uniform
 from emulator.pixel.noisy.passage import (
     LONGEST_US,
+    SHORT,
     hazards_at,
     mean_difference,
     noisy_course,
@@ -135,7 +136,7 @@ def advance_noisy(
         wait_us = pixel.reset_us if still else min(pixel.reset_us, left_us)
         return leave_reset(pixel, segment, model, index, wait_us), wait_us, NO_EVENT
     silent_us = quiet_us(pixel, segment, mismatch, left_us)
-    quiet = silent_us >= (1.0 if still else left_us)
+    quiet = silent_us >= (SHORT / segment.noise.per_tau if still else left_us)
     course = noisy_course(pixel, segment, model)
     span_us = silent_us if quiet else piece_us(course, mismatch)
     span_us = float(math.ceil(min(span_us, LONGEST_US))) if still else min(span_us, left_us)

@@ -13,6 +13,8 @@ from emulator.noise.photoreceptor_noise import noise_of
 from emulator.pixel.batch import (
     CHANGE,
     CLOCK,
+    CORNER,
+    CROSSING,
     DARK_LUX,
     DRIFT,
     HOT_RATE,
@@ -32,11 +34,13 @@ from emulator.pixel.batch import (
     OUTCOME,
     REST,
     SECOND_LAG,
+    SIGMA,
     SILENT,
     THETA_OFF,
     THETA_ON,
     Batch,
 )
+from emulator.pixel.noisy.near_batch import LONGEST
 from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
 from emulator.pixel.source_follower import amplitudes, separated
 from emulator.pixel.state import PixelModel
@@ -50,6 +54,7 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
     fields, changed = batch.fields, batch.changed
     per_us = 1.0 / span_us
     per_cd_m2 = model.lux_per_cd_m2
+    has_noise = model.sigma_0 > 0.0
     has_follower = model.follower_us > 0.0
     for k in range(count):
         lag, leak, second_lag = fields[LAG + k], fields[LEAK + k], fields[SECOND_LAG + k]
@@ -85,7 +90,9 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
         awake = (fields[REST + k] == 0.0) & (leak >= 0.0) & changed[k]
         bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
         short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
-        quiet = within & awake & (bright | short) & (fields[HOT_RATE + k] == 0.0)
+        followed = awake & (bright | short) & (fields[HOT_RATE + k] == 0.0)
+        last_us = model.follower_us if has_follower else tau_us
+        near = has_noise & (span_us <= LONGEST * last_us)
         fields[LOG_FROM + k] = log_from
         fields[LOG_TO + k] = log_to
         fields[NEW_LAG + k] = new_lag
@@ -94,4 +101,7 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
         fields[NEW_CLOCK + k] = fields[CLOCK + k]
         fields[NEW_SECOND_LAG + k] = new_second
         fields[DRIFT + k] = drift
-        fields[OUTCOME + k] = SILENT if quiet else OTHER
+        fields[CORNER + k] = corner
+        fields[SIGMA + k] = noise.sigma
+        outcome = SILENT if within else (CROSSING if near else OTHER)
+        fields[OUTCOME + k] = outcome if followed else OTHER

@@ -23,7 +23,7 @@ from emulator.noise.photoreceptor_noise import Noise
 from emulator.pixel.segment import Mismatch, Pixel, Segment
 from emulator.pixel.source_follower import amplitudes, separated
 from emulator.pixel.state import PixelModel
-from flybench.kernels import compiled, inlined
+from flybench.kernels import inlined
 from flybench.portable_math import exp
 
 LONGEST_US = 2.0**29
@@ -32,12 +32,13 @@ LONGEST_US = 2.0**29
 _LARGEST_MOVE = 0.7
 """Distance that d may move in a piece, in units of σ, if the piece is not short."""
 
-_SHORT = 0.1
+SHORT = 0.1
 """Length of a piece, in units of the correlation time, in which d may move farther: the noise
 hardly changes meanwhile."""
 
 _ROUNDS_MAX = 40
 _TIME_TOLERANCE_US = 0.05
+_RELATIVE_TOLERANCE = 1e-5
 _PER_ROOT_2_PI = 1.0 / math.sqrt(2.0 * math.pi)
 
 
@@ -151,7 +152,7 @@ def piece_us(course: NoisyCourse, mismatch: Mismatch) -> float:
     speed = abs(course.rate) + abs(course.a) * course.corner + abs(course.b) * course.second_corner
     h_on, h_off = distances(noise, mismatch, course.start)
     move = max(_LARGEST_MOVE, min(h_on, h_off) - H_MAX)
-    return min(max(move * noise.sigma / speed, _SHORT / noise.per_tau), LONGEST_US)
+    return min(max(move * noise.sigma / speed, SHORT / noise.per_tau), LONGEST_US)
 
 
 @inlined
@@ -166,42 +167,48 @@ def piece_hazard(course: NoisyCourse, mismatch: Mismatch, span_us: float) -> tup
     return steady, approach_hazard(course.noise, mismatch, course.start, end)
 
 
-@compiled
+@inlined
 def passage_us(
     course: NoisyCourse, mismatch: Mismatch, clock: float, steady: float, span_us: float
 ) -> float:
     """Return the time at which the hazard of a piece has used up the clock [µs].
 
-    The Illinois method. The steady hazard is spread evenly over the piece.
+    Newton's method, from the end of the piece: the hazard grows ever faster, so that the steps
+    approach the time from above. A bisection replaces a step that leaves the bracket.
 
     Args:
         course: mean difference and noise.
         mismatch: thresholds of the pixel.
         clock: rest of the clock, which the hazard of the whole piece exceeds.
-        steady: hazard of noise in the whole piece.
+        steady: hazard of noise in the whole piece, which is spread evenly over it.
         span_us: length of the piece [µs].
     """
-    low, high = 0.0, span_us
-    below = -clock
-    above = steady - clock
-    above += approach_hazard(course.noise, mismatch, course.start, mean_difference(course, high))
-    side = 0
+    rate, per_sigma = steady / span_us, 1.0 / course.noise.sigma
+    tolerance_us = max(_TIME_TOLERANCE_US, _RELATIVE_TOLERANCE * span_us)
+    rising = mean_difference(course, span_us) > course.start
+    sign = 1.0 if rising else -1.0
+    theta = mismatch.theta_on if rising else mismatch.theta_off
+    used = surprise((theta - sign * course.start) * per_sigma) + clock
+    low, high, s = 0.0, span_us, span_us
     for _ in range(_ROUNDS_MAX):
-        s = high - above * (high - low) / (above - below)
-        d = mean_difference(course, s)
-        value = steady * s / span_us - clock
-        value += approach_hazard(course.noise, mismatch, course.start, d)
-        if value >= 0.0:
-            high, above = s, value
-            below *= 0.5 if side > 0 else 1.0
-            side = 1
+        first, second = exp(-s * course.corner), exp(-s * course.second_corner)
+        d = course.start + course.rate * s
+        d += course.a * (1.0 - first) + course.b * (1.0 - second)
+        slope = course.rate + course.a * course.corner * first
+        slope += course.b * course.second_corner * second
+        h = (theta - sign * d) * per_sigma
+        excess = rate * s + surprise(h) - used
+        if excess > 0.0:
+            high = s
         else:
-            low, below = s, value
-            above *= 0.5 if side < 0 else 1.0
-            side = -1
-        if high - low < _TIME_TOLERANCE_US:
+            low = s
+        move = excess / (rate + sign * slope * per_sigma * inverse_mills(h))
+        s -= move
+        if not low <= s <= high:
+            s = 0.5 * (low + high)
+        elif abs(move) < tolerance_us:
             break
-    return high
+    return s
 
 
 @inlined

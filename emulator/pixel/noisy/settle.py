@@ -58,7 +58,7 @@ def settle(state: PixelState, model: PixelModel) -> None:
     A pixel with many events is stopped at a random time before the last of them: a time that it
     chose itself would always be just after an event.
     """
-    pixels, second_lags, wake_us = state.pixels, state.second_lag, state.wake_us
+    pixels, wake_us = state.pixels, state.wake_us
     for i in range(pixels.size):
         own = pixels[i]
         mismatch = Mismatch(
@@ -90,8 +90,7 @@ def settle(state: PixelState, model: PixelModel) -> None:
         own.draws = pixel.draws
         own.updated_us = np.int32(at_us - stop_us)
         wake_us[i] = np.int32(next_us - stop_us)
-        if second_lags.size > i:
-            second_lags[i] = pixel.second_lag
+        own.second_lag = pixel.second_lag
     for block in range(state.block_wake_us.size):
         first = block * BLOCK
         state.block_wake_us[block] = wake_us[first : first + BLOCK].min()

@@ -124,7 +124,6 @@ def step_noisy(
     """
     step_us = times.to_us - times.from_us
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
-    second_lags = state.second_lag
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     for k in range(first, count):
         if fields[OUTCOME + k] >= SILENT:
@@ -160,8 +159,7 @@ def step_noisy(
         own.clock = pixel.clock
         own.draws = pixel.draws
         own.updated_us = np.int32(times.from_us + np.int64(stored_us))
-        if second_lags.size > i:
-            second_lags[i] = pixel.second_lag
+        own.second_lag = pixel.second_lag
         before[i] = luminance[i]
         wake_us[i] = np.int32(times.from_us + np.int64(sleep_us))
     return count, used
