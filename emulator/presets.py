@@ -180,7 +180,7 @@ def _v2e_noisy() -> SensorConfig:
         leak_hz_per_lux=0.0,
         leak_spread=0.0,
         leak_tail_fraction=0.0,
-        noise_sigma=0.068,
+        noise_sigma=0.049,
         dark_current_spread=0.0,
         readout=UNLIMITED,
         aps=ApsConfig(),
@@ -203,7 +203,7 @@ def _davis346_2026_11() -> SensorConfig:
         leak_hz_per_lux=2.4e-5,
         leak_spread=0.0,
         leak_tail_fraction=0.0,
-        noise_sigma=0.0756,
+        noise_sigma=0.0717,
         dark_current_spread=0.0,
         hot_fraction=4e-4,
     )

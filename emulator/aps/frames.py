@@ -83,7 +83,6 @@ class Aps:
         self._seconds, self._weights = np.empty(0), np.empty(0)
         self._delays_us = np.empty(0, np.int64)
         self._gains = np.empty(0, np.float32)
-        self._gaussians = np.empty(0, np.float32)
         self._noise_seed = np.uint64(0)
 
     def begin(self, t_us: int, luminance: Image) -> None:
@@ -101,7 +100,6 @@ class Aps:
         self._seconds, self._weights = np.zeros(rows), np.zeros(rows)
         rng = np.random.default_rng((self._seed, _RANDOM_STREAM))
         self._noise_seed = rng.integers(2**64, dtype=np.uint64)
-        self._gaussians = np.empty(luminance.size if config.noise else 0, np.float32)
         spread = config.fixed_pattern * rng.standard_normal(luminance.size, np.float32)
         self._gains = np.maximum(1.0 + spread, 0.0, dtype=np.float32)
         for _ in range(_METERING_ROUNDS):
@@ -172,8 +170,9 @@ class Aps:
         electrons = self._electrons(luminance, self._seconds)
         if config.noise:
             first = np.uint64(self._frames * electrons.size)
-            draw_gaussians(self._noise_seed, first, self._gaussians)
-            add_noise(electrons, self._gaussians, config.read_noise_e**2, self._gains)
+            normal = np.empty_like(electrons)
+            draw_gaussians(self._noise_seed, first, normal)
+            add_noise(electrons, normal, config.read_noise_e**2, self._gains)
         image = self._convert(electrons).reshape(luminance.shape)
         frame = ApsFrame(self._start_us, end_us, image, rolling_us)
         self._frames += 1

@@ -204,6 +204,7 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
         fields[NEW_LAG + k] = new_lag
         fields[NEW_CHANGE + k] = new_change
         fields[NEW_LEAK + k] = new_leak
+        fields[NEW_SECOND_LAG + k] = 0.0
         fields[NEW_CLOCK + k] = new_clock
         fields[DRIFT + k] = drift
         fields[CORNER + k] = corner

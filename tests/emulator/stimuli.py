@@ -20,14 +20,22 @@ WIDTH, HEIGHT = 16, 12
 
 
 def noise_free_config(**changes: Any) -> SensorConfig:
-    """Return a small sensor without noise or mismatch."""
+    """Return a small sensor of first order without noise or mismatch."""
     config = SensorConfig.noise_free(width=WIDTH, height=HEIGHT)
-    return replace(config, **{"theta_mismatch": 0.0, **changes})
+    plain = {
+        "theta_on": 0.18,
+        "theta_off": 0.22,
+        "theta_mismatch": 0.0,
+        "dark_current_spread": 0.0,
+        "follower_hz": 0.0,
+        "refractory_us": 3,
+    }
+    return replace(config, **{**plain, **changes})
 
 
 def noisy_config(**changes: Any) -> SensorConfig:
-    """Return a small sensor with all noise, and with enough hot pixels to have some."""
-    config = SensorConfig(width=WIDTH, height=HEIGHT, hot_fraction=0.02)
+    """Return a small sensor with all noise, more than usual, and with some hot pixels."""
+    config = SensorConfig(width=WIDTH, height=HEIGHT, noise_sigma=0.12, hot_fraction=0.02)
     return replace(config, **changes)
 
 

@@ -24,7 +24,7 @@ from emulator import ApsConfig, ReadoutConfig, ReadoutKind, SensorConfig, Sensor
         ("leak_hz", -0.1),
         ("hot_fraction", 1.5),
         ("hot_hz_max", 10.0),
-        ("shot_noise_scale", "much"),
+        ("noise_sigma", "much"),
         ("bandwidth_limit_hz", True),
         ("follower_hz", -1.0),
         ("temperature_c", 500.0),
@@ -63,7 +63,7 @@ def test_noise_free_changes_only_the_noise() -> None:
     clean, real = SensorConfig.noise_free(), SensorConfig()
     assert (clean.theta_on, clean.theta_mismatch) == (real.theta_on, real.theta_mismatch)
     assert clean.bandwidth_limit_hz == real.bandwidth_limit_hz
-    assert (clean.leak_hz, clean.leak_hz_per_lux, clean.shot_noise_scale) == (0.0, 0.0, 0.0)
+    assert (clean.leak_hz, clean.leak_hz_per_lux, clean.noise_sigma) == (0.0, 0.0, 0.0)
     assert clean.hot_fraction == 0.0
     assert not clean.aps.noise
 

