@@ -206,6 +206,7 @@ def _davis346_2026_11() -> SensorConfig:
         noise_sigma=0.0717,
         dark_current_spread=0.0,
         hot_fraction=4e-4,
+        readout=ReadoutConfig(kind=ReadoutKind.ROUND_ROBIN, lines=Lines.ROWS, line_words=1),
     )
 
 
