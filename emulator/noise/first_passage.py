@@ -10,14 +10,18 @@ functions.
 
 from __future__ import annotations
 
+import math
+
 from flybench.kernels import inlined
 from flybench.portable_math import exp, fma
 
 H_MIN, H_MAX = -3.0, 7.0
 """Range of the fits. Farther away there is no noise; nearer, the crossing is certain."""
 
-_CERTAIN, _SLOPE = 6.6077, 3.2831
-"""−ln Φ(−3), and its slope there."""
+_SLOPE = 3.2831
+"""Slope of −ln Φ(h) at −3, with the sign changed."""
+
+_PER_ROOT_2_PI = 1.0 / math.sqrt(2.0 * math.pi)
 
 
 @inlined
@@ -47,3 +51,10 @@ def surprise(h: float) -> float:
     series = fma(x, series, -1.14428553)
     beyond = max(H_MIN - h, 0.0)
     return exp(fma(x, series, -0.36291971)) + beyond * (_SLOPE + 0.5 * beyond)
+
+
+@inlined
+def surprise_slope(h: float) -> float:
+    """Return φ(h)/Φ(h), with φ the density of the normal distribution: minus the slope of −ln Φ."""
+    x = max(h, H_MIN)
+    return _PER_ROOT_2_PI * exp(surprise(x) - 0.5 * x * x) + max(H_MIN - h, 0.0)

@@ -40,7 +40,7 @@ from emulator.pixel.batch import (
 from emulator.pixel.pixel_step import plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel
 from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
-from emulator.pixel.state import PixelModel, PixelState, StepTimes
+from emulator.pixel.state import MOVED, PixelModel, PixelState, StepTimes
 from emulator.readout.event_keys import Keys, make_key
 from flybench.kernels import compiled, inlined
 
@@ -78,6 +78,7 @@ def store_finished(
     times: StepTimes,
     batch: Batch,
     count: int,
+    noisy: bool,
     keys: Keys,
     used: int,
 ) -> int:
@@ -89,6 +90,7 @@ def store_finished(
         times: start and end of the step.
         batch: the pixels.
         count: number of pixels.
+        noisy: True if the pixels have noise.
         keys: output array for the keys of the events, with room for `count` more.
         used: number of entries of `keys` in use.
 
@@ -97,6 +99,7 @@ def store_finished(
     """
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
     indices, changes, fields = batch.indices, batch.changed, batch.fields
+    moved = MOVED if noisy else np.uint32(0)
     step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
     for k in range(count):
         outcome = fields[OUTCOME + k]
@@ -114,6 +117,7 @@ def store_finished(
         own.change = change
         own.leak = leak
         own.clock = clock
+        own.draws |= moved
         own.updated_us = now_us
         own.second_lag = second_lag
         before[i] = luminance[i]

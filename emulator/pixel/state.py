@@ -17,6 +17,9 @@ from emulator.pixel.change_detector import draw_thresholds
 from emulator.pixel.optics import lux_per_cd_m2
 from flybench.kernels import compiled
 
+MOVED = np.uint32(1 << 31)
+"""The highest bit of `draws`, see `PIXEL_DTYPE`."""
+
 BLOCK = 64
 """Number of neighbouring pixels in a block: one bit each of a 64-bit mask."""
 
@@ -54,7 +57,8 @@ leak: contribution of the leak to that difference since the last event [ln units
     in reset, where this is zero, minus the rest of the refractory period [µs].
 clock: rest of the unit exponential random number that times the next noise event: it loses the
     hazard of one.
-draws: number of random numbers used so far.
+draws: number of random numbers used so far; in its highest bit, of a pixel with noise, whether a
+    change of the light may still contribute to its next event.
 updated_us: time at which the state above was computed; the state of a sleeping pixel (constant
     luminance, no event before its wake time) is not updated.
 theta_on: ON threshold [ln units].

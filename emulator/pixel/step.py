@@ -122,7 +122,8 @@ def step_pixels(
         MemoryError: there are too many events; the state is half changed.
     """
     used = 0
-    simple = (model.sigma_0 == 0.0) & (model.follower_us == 0.0)
+    noisy = model.sigma_0 > 0.0
+    simple = (not noisy) & (model.follower_us == 0.0)
     span_us = np.float64(times.to_us - times.from_us)
     block, blocks = share.part * GROUP, masks.changed.size
     while block < blocks:
@@ -136,10 +137,10 @@ def step_pixels(
             solve_near(batch, model, count, span_us)
         if keys.size - used < BATCH:
             keys = doubled(keys, most)
-        used = store_finished(state, luminance, times, batch, count, keys, used)
+        used = store_finished(state, luminance, times, batch, count, noisy, keys, used)
         done = 0
         while done < count:
-            if model.sigma_0 > 0.0:
+            if noisy:
                 done, used = step_noisy(
                     state, model, luminance, times, batch, done, count, keys, used
                 )

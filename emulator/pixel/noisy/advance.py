@@ -34,6 +34,9 @@ from flybench.portable_math import exp
 _SIGNAL, _LEAK, _SHOT, _HOT = (
     int(cause) for cause in (Cause.SIGNAL, Cause.LEAK, Cause.SHOT, Cause.HOT)
 )
+_SETTLED = 0.1
+"""Lag below which the response to the light is over, in units of σ (assumed)."""
+
 _DRAWS = 3
 """Random numbers of an event: what it was, the clock, and the noise at the end of the reset."""
 
@@ -58,17 +61,21 @@ def leave_reset(
 
 
 @inlined
-def mark_of(on: bool, change: float, leak: float, noise: float) -> int:
+def mark_of(on: bool, change: float, leak: float, noise: float, moved: bool) -> int:
     """Return 2·cause + polarity of an event: its cause is what contributed most to it.
 
     Args:
         on: polarity.
-        change: contribution of the signal to the difference [ln units].
+        change: contribution of the signal, and of noise that an earlier event has memorised, to the
+            difference [ln units].
         leak: contribution of the leak.
         noise: contribution of the noise.
+        moved: False if the light has not changed for long, so that `change` is noise.
     """
     sign = 1.0 if on else -1.0
     signal, noise = sign * change, sign * noise
+    if not moved:
+        signal, noise = 0.0, noise + signal
     cause = _SIGNAL
     if noise > signal:
         cause = _SHOT
@@ -85,6 +92,7 @@ def fire(
     model: PixelModel,
     index: int,
     event_us: float,
+    moved: bool,
 ) -> tuple[Pixel, int]:
     """Return a pixel at its event `event_us` from now, held in reset; and 2·cause + polarity."""
     course = noisy_course(pixel, segment, model)
@@ -98,7 +106,7 @@ def fire(
         on = choice < on_rate
         noise = (mismatch.theta_on if on else -mismatch.theta_off) - d
         leak = pixel.leak + segment.leak_drift * event_us
-        mark = mark_of(on, d - leak, leak, noise)
+        mark = mark_of(on, d - leak, leak, noise, moved)
     else:
         mark = 2 * _HOT + (choice - on_rate - off_rate >= -0.5 * hot_rate)
     clock = exponential(model.seed, index, pixel.draws + 1)
@@ -115,6 +123,7 @@ def advance_noisy(
     index: int,
     left_us: float,
     still: bool,
+    moved: bool,
 ) -> tuple[Pixel, float, int]:
     """Take a pixel through one piece of time: the rest of its reset, or to its next event at most.
 
@@ -127,6 +136,7 @@ def advance_noisy(
         left_us: rest of the segment, which ends the piece unless the pixel is still [µs].
         still: True if the light is constant and may remain so beyond the segment. The piece then
             takes whole microseconds and as long as it would for any `left_us`.
+        moved: True if a change of the light may contribute to the event.
 
     Returns:
         The pixel, the time until then [µs], and 2·cause + polarity of the event at that time, or
@@ -146,12 +156,18 @@ def advance_noisy(
         if steady + approach >= clock:
             event_us = passage_us(course, mismatch, clock, steady, span_us)
             event_us = float(math.ceil(event_us)) if still else event_us
-            pixel, mark = fire(pixel, segment, mismatch, model, index, event_us)
+            pixel, mark = fire(pixel, segment, mismatch, model, index, event_us, moved)
             return pixel, event_us, mark
         clock -= steady + approach
     after = without_event(pixel, segment, model, span_us, exp(-span_us * segment.corner))
     after = Pixel(after.lag, after.change, after.leak, clock, 0.0, after.draws, after.second_lag)
     return after, span_us, NO_EVENT
+
+
+@inlined
+def has_settled(pixel: Pixel, segment: Segment) -> bool:
+    """Return True if the output has come so near to its input that no change is left in it."""
+    return abs(pixel.lag) + abs(pixel.second_lag) < _SETTLED * segment.noise.sigma
 
 
 @inlined

@@ -15,10 +15,9 @@ as sharp as that of a pixel without noise.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from emulator.noise.first_passage import H_MAX, decay_rate, surprise
+from emulator.noise.first_passage import H_MAX, decay_rate, surprise, surprise_slope
 from emulator.noise.photoreceptor_noise import Noise
 from emulator.pixel.segment import Mismatch, Pixel, Segment
 from emulator.pixel.source_follower import amplitudes, separated
@@ -39,7 +38,6 @@ hardly changes meanwhile."""
 _ROUNDS_MAX = 40
 _TIME_TOLERANCE_US = 0.05
 _RELATIVE_TOLERANCE = 1e-5
-_PER_ROOT_2_PI = 1.0 / math.sqrt(2.0 * math.pi)
 
 
 class NoisyCourse(NamedTuple):
@@ -202,7 +200,7 @@ def passage_us(
             high = s
         else:
             low = s
-        move = excess / (rate + sign * slope * per_sigma * inverse_mills(h))
+        move = excess / (rate + sign * slope * per_sigma * surprise_slope(h))
         s -= move
         if not low <= s <= high:
             s = 0.5 * (low + high)
@@ -219,12 +217,6 @@ def hazards_at(
     noise = course.noise
     h_on, h_off = distances(noise, mismatch, d)
     speed = mean_slope(course, s_us) / noise.sigma
-    on = diffusion_rate(noise, h_on) + max(speed, 0.0) * inverse_mills(h_on)
-    off = diffusion_rate(noise, h_off) + max(-speed, 0.0) * inverse_mills(h_off)
+    on = diffusion_rate(noise, h_on) + max(speed, 0.0) * surprise_slope(h_on)
+    off = diffusion_rate(noise, h_off) + max(-speed, 0.0) * surprise_slope(h_off)
     return on, off
-
-
-@inlined
-def inverse_mills(h: float) -> float:
-    """Return φ(h)/Φ(h), with φ the density of the normal distribution."""
-    return _PER_ROOT_2_PI * exp(surprise(h) - 0.5 * h * h)

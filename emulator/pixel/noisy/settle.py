@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from emulator.noise.random_numbers import uniform
 from emulator.pixel.noisy.advance import advance_noisy, as_stored
 from emulator.pixel.photoreceptor import log_current
 from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
@@ -17,47 +16,44 @@ from emulator.pixel.single_pixel import NO_EVENT
 from emulator.pixel.state import BLOCK, PixelModel, PixelState
 from flybench.kernels import compiled
 
-_LONGEST_US = 10e6
-"""Time after which a pixel has settled (assumed: half the time that the leak of the median pixel
-needs from one event to the next)."""
+_SPANS_US = (0.2e6, 0.6e6, 2e6, 6e6, 20e6)
+"""Times after which a pixel may have settled: the longest is that which the leak of the median
+pixel needs from one event to the next (assumed to suffice)."""
 
-_EVENTS = 8
-"""Number of events after which a pixel has settled (assumed)."""
+_EVENTS = 16
+"""Number of events by which a pixel must have fired to settle before the longest time (assumed)."""
 
 
 @compiled
 def run_still(
-    pixel: Pixel,
-    segment: Segment,
-    mismatch: Mismatch,
-    model: PixelModel,
-    index: int,
-    span_us: float,
-    most: int,
-) -> tuple[Pixel, float, float, int]:
-    """Take a pixel through still light for `span_us`, or to its event number `most`.
+    pixel: Pixel, segment: Segment, mismatch: Mismatch, model: PixelModel, index: int
+) -> tuple[Pixel, float, float]:
+    """Take a pixel through still light until it has settled.
 
     Returns:
-        The state after the last piece, its time, the end of the next piece [µs], and the number of
-        events.
+        The state after the last piece of time, and the time from there to the end of settling and
+        from that to the end of the next piece [µs].
     """
     at_us, events = 0.0, 0
-    while True:
-        after, spent_us, mark = advance_noisy(pixel, segment, mismatch, model, index, 0.0, True)
-        if at_us + spent_us > span_us or events == most:
-            return pixel, at_us, at_us + spent_us, events
-        at_us += spent_us
-        pixel = as_stored(after)
-        events += mark != NO_EVENT
+    for span_us in _SPANS_US:
+        while True:
+            after, spent_us, mark = advance_noisy(
+                pixel, segment, mismatch, model, index, 0.0, True, False
+            )
+            if at_us + spent_us > span_us:
+                break
+            at_us += spent_us
+            pixel = as_stored(after)
+            events += mark != NO_EVENT
+        rest_us, sleep_us = span_us - at_us, at_us + spent_us - span_us
+        if events >= _EVENTS:
+            break
+    return pixel, rest_us, sleep_us
 
 
 @compiled
 def settle(state: PixelState, model: PixelModel) -> None:
-    """Let all pixels settle to the luminance of the state, which is changed in place.
-
-    A pixel with many events is stopped at a random time before the last of them: a time that it
-    chose itself would always be just after an event.
-    """
+    """Let all pixels settle to the luminance of the state, which is changed in place."""
     pixels, wake_us = state.pixels, state.wake_us
     for i in range(pixels.size):
         own = pixels[i]
@@ -74,22 +70,14 @@ def settle(state: PixelState, model: PixelModel) -> None:
         fresh = Pixel(
             0.0, 0.0, np.float64(own.leak), np.float64(own.clock), 0.0, np.int64(own.draws), 0.0
         )
-        stop_us = _LONGEST_US
-        pixel, at_us, next_us, events = run_still(
-            fresh, segment, mismatch, model, i, stop_us, _EVENTS
-        )
-        if events == _EVENTS:
-            stop_us = np.floor(at_us * (0.5 + 0.5 * uniform(model.seed, i, own.draws)))
-            pixel, at_us, next_us, _ = run_still(
-                fresh, segment, mismatch, model, i, stop_us, _EVENTS
-            )
+        pixel, rest_us, sleep_us = run_still(fresh, segment, mismatch, model, i)
         own.lag = pixel.lag
         own.change = pixel.change
         own.leak = -pixel.reset_us if pixel.reset_us > 0.0 else pixel.leak
         own.clock = pixel.clock
         own.draws = pixel.draws
-        own.updated_us = np.int32(at_us - stop_us)
-        wake_us[i] = np.int32(next_us - stop_us)
+        own.updated_us = np.int32(-rest_us)
+        wake_us[i] = np.int32(sleep_us)
         own.second_lag = pixel.second_lag
     for block in range(state.block_wake_us.size):
         first = block * BLOCK

@@ -24,11 +24,11 @@ from emulator.pixel.batch import (
     Batch,
 )
 from emulator.pixel.batch_events import mismatch_of
-from emulator.pixel.noisy.advance import advance_noisy, as_stored
+from emulator.pixel.noisy.advance import advance_noisy, as_stored, has_settled
 from emulator.pixel.pixel_step import PixelStep, plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel, make_segment
 from emulator.pixel.single_pixel import NO_EVENT
-from emulator.pixel.state import PixelModel, PixelState, StepTimes
+from emulator.pixel.state import MOVED, PixelModel, PixelState, StepTimes
 from emulator.readout.event_keys import Keys, make_key
 from flybench.kernels import compiled
 
@@ -42,9 +42,10 @@ def step_still(
     log_lux: float,
     rest_us: float,
     step_us: int,
+    moved: bool,
     keys: Keys,
     used: int,
-) -> tuple[Pixel, float, float, int]:
+) -> tuple[Pixel, float, float, bool, int]:
     """Take a pixel in constant light from the time of its state through a step.
 
     Args:
@@ -55,25 +56,29 @@ def step_still(
         log_lux: u [ln lux].
         rest_us: time of the state, from the start of the step [µs].
         step_us: duration of the step [µs].
+        moved: True if a change of the light may contribute to the next event.
         keys: output array for the keys of the events.
         used: number of entries of `keys` in use.
 
     Returns:
         The state after the last piece that ends within the step; its time and the time to sleep
-        until, both from the start of the step [µs]; and the number of entries of `keys` then in
-        use, or −1 if there was no room.
+        until, both from the start of the step [µs]; `moved` for that state; and the number of
+        entries of `keys` then in use, or −1 if there was no room.
     """
     segment = make_segment(model, mismatch, log_lux, log_lux, 1.0)
     at_us = rest_us
     while True:
-        after, spent_us, mark = advance_noisy(pixel, segment, mismatch, model, index, 0.0, True)
+        after, spent_us, mark = advance_noisy(
+            pixel, segment, mismatch, model, index, 0.0, True, moved
+        )
         if at_us + spent_us > step_us:
-            return pixel, at_us, at_us + spent_us, used
+            return pixel, at_us, at_us + spent_us, moved, used
         at_us += spent_us
         pixel = as_stored(after)
+        moved &= not has_settled(pixel, segment)
         if mark != NO_EVENT:
             if used == keys.size:
-                return pixel, at_us, at_us, -1
+                return pixel, at_us, at_us, moved, -1
             keys[used] = make_key(at_us, step_us, index, mark)
             used += 1
 
@@ -95,7 +100,7 @@ def step_moving(
         elapsed_us = 0.0
         while elapsed_us < segment_us:
             pixel, spent_us, mark = advance_noisy(
-                pixel, segment, mismatch, model, index, segment_us - elapsed_us, False
+                pixel, segment, mismatch, model, index, segment_us - elapsed_us, False, True
             )
             elapsed_us += spent_us
             if mark != NO_EVENT:
@@ -137,18 +142,19 @@ def step_noisy(
             max(leak, 0.0),
             fields[CLOCK + k],
             max(-leak, 0.0),
-            np.int64(own.draws),
+            np.int64(own.draws & ~MOVED),
             fields[SECOND_LAG + k],
         )
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         stored_us = sleep_us = np.float64(step_us)
+        moved = changed or own.draws >= MOVED
         if changed:
             plan = plan_step(model, log_from, log_to, True, -rest_us, np.float64(step_us))
             pixel, found = step_moving(pixel, mismatch, model, i, plan, step_us, keys, used)
         else:
-            pixel, stored_us, sleep_us, found = step_still(
-                pixel, mismatch, model, i, log_from, rest_us, step_us, keys, used
+            pixel, stored_us, sleep_us, moved, found = step_still(
+                pixel, mismatch, model, i, log_from, rest_us, step_us, moved, keys, used
             )
         if found < 0:
             return k, used
@@ -157,7 +163,7 @@ def step_noisy(
         own.change = pixel.change
         own.leak = -pixel.reset_us if pixel.reset_us > 0.0 else pixel.leak
         own.clock = pixel.clock
-        own.draws = pixel.draws
+        own.draws = np.uint32(pixel.draws) | (MOVED if moved else np.uint32(0))
         own.updated_us = np.int32(times.from_us + np.int64(stored_us))
         own.second_lag = pixel.second_lag
         before[i] = luminance[i]

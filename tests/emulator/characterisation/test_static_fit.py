@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emulator.pixel.noise import SHOT_LUX, SHOT_OFF_HZ, SHOT_ON_PER_OFF
 
 from emulator import FitError, SensorConfig
 from emulator.characterisation.bench import (
@@ -16,7 +17,6 @@ from emulator.characterisation.bench import (
     uniform_frame,
 )
 from emulator.characterisation.static_fit import StaticFit, fit_static
-from emulator.pixel.noise import SHOT_LUX, SHOT_OFF_HZ, SHOT_ON_PER_OFF
 from flybench.errors import EventError
 from flybench.events import EVENT_DTYPE, empty_events
 

@@ -59,6 +59,7 @@ def exact_events(
     *,
     times_us: Reals,
     log_lux: Reals,
+    phase: Reals,
     settle_us: float,
     seed: int,
 ) -> ExactEvents:
@@ -70,6 +71,7 @@ def exact_events(
         theta_off: (pixels,) OFF thresholds [ln units].
         times_us: (samples,) times of the samples of the input, from 0 [µs].
         log_lux: (samples,) u at these times [ln lux].
+        phase: (pixels,) mean difference to the memorised value at the start [ln units].
         settle_us: time with the first input before time 0, without events in the result [µs].
         seed: seed of the random numbers.
     """
@@ -79,8 +81,9 @@ def exact_events(
     grid_us = np.arange(count + 1) * step_us - settle_us
     mean = _filtered(np.interp(grid_us, times_us, log_lux), pixel, step_us)
     keep, draw, start = _noise_matrices(pixel, step_us)
+    random = np.random.default_rng(seed)
     found = _simulate(
-        pixel, theta_on, theta_off, mean, grid_us[0], step_us, keep, draw, start, seed
+        pixel, theta_on, theta_off, phase, mean, grid_us[0], step_us, keep, draw, start, random
     )
     later = found[1] > 0.0
     return ExactEvents(found[0][later], found[1][later], found[2][later])
@@ -94,7 +97,7 @@ def _filtered(u: Reals, pixel: ExactPixel, step_us: float) -> Reals:
     return u
 
 
-@numba.njit
+@numba.njit(cache=True)
 def _low_pass(u: Reals, tau: float) -> Reals:
     out = np.empty_like(u)
     out[0] = lagged = u[0]
@@ -126,24 +129,23 @@ def _noise_matrices(pixel: ExactPixel, step_us: float) -> tuple[Reals, Reals, Re
     return keep, np.linalg.cholesky(added), np.linalg.cholesky(stationary)
 
 
-@numba.njit
+@numba.njit(cache=True)
 def _simulate(  # type: ignore[no-untyped-def]
-    pixel, theta_on, theta_off, mean, start_us, step_us, keep, draw, start, seed
+    pixel, theta_on, theta_off, phase, mean, start_us, step_us, keep, draw, start, random
 ):
-    np.random.seed(seed)
     index, times, ons = [0], [-np.inf], [False]
-    hold = int(round(pixel.refractory_us / step_us))
+    hold = round(pixel.refractory_us / step_us)
     variance = 2.0 * pixel.sigma**2 / pixel.tau_us * step_us
     bridge = pixel.follower_us == 0.0
     for i in range(theta_on.size):
-        g, h = np.random.normal(), np.random.normal()
+        g, h = random.normal(), random.normal()
         first = start[0, 0] * g + start[0, 1] * h
         second = start[1, 0] * g + start[1, 1] * h
         output = mean[0] + (first if bridge else second)
-        memory = output - theta_on[i] * np.random.random()
+        memory = mean[0] - phase[i]
         waiting = 0
         for k in range(1, mean.size):
-            g, h = np.random.normal(), np.random.normal()
+            g, h = random.normal(), random.normal()
             old_first = first
             first = keep[0, 0] * first + draw[0, 0] * g
             second = keep[1, 0] * old_first + keep[1, 1] * second + draw[1, 0] * g + draw[1, 1] * h
@@ -158,12 +160,12 @@ def _simulate(  # type: ignore[no-untyped-def]
             on, off = high >= theta_on[i], high <= -theta_off[i]
             if bridge and not (on or off):
                 gap, later = theta_on[i] - low, theta_on[i] - high
-                on = np.random.random() < np.exp(-2.0 * gap * later / variance)
+                on = random.random() < np.exp(-2.0 * gap * later / variance)
                 gap, later = theta_off[i] + low, theta_off[i] + high
-                off = not on and np.random.random() < np.exp(-2.0 * gap * later / variance)
+                off = not on and random.random() < np.exp(-2.0 * gap * later / variance)
             if on or off:
                 index.append(i)
-                times.append(start_us + (k - np.random.random()) * step_us)
+                times.append(start_us + (k - random.random()) * step_us)
                 ons.append(on)
                 memory += theta_on[i] if on else -theta_off[i]
                 if hold > 0:

@@ -1,0 +1,277 @@
+"""Noise that crosses thresholds: the fast kernels against an exact simulation."""
+
+import hashlib
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from emulator import EventSensor, SensorConfig
+from emulator.readout.config import UNLIMITED
+from flybench.events import Cause, Events
+from tests.emulator.pixel.exact_noise import ExactPixel, exact_events
+from tests.emulator.stimuli import (
+    HEIGHT,
+    WIDTH,
+    Sample,
+    intervals_us,
+    luminance_for_lux,
+    moving_texture,
+    run_sensor,
+    uniform_frame,
+)
+
+SIDE = 20
+Reals = npt.NDArray[np.float64]
+
+
+def noisy(**changes: Any) -> SensorConfig:
+    """Return a sensor of 400 pixels with photoreceptor noise only, and 1 Hz of cutoff per lux."""
+    config = SensorConfig.noise_free(width=SIDE, height=SIDE)
+    plain = {
+        "theta_on": 1.0,
+        "theta_off": 1.33,
+        "theta_mismatch": 0.085,
+        "bandwidth_hz_per_lux": 1.0,
+        "bandwidth_limit_hz": 1e6,
+        "dark_lux": 1e-6,
+        "dark_current_spread": 0.0,
+        "leak_spread": 0.0,
+        "leak_tail_fraction": 0.0,
+        "follower_hz": 0.0,
+        "refractory_us": 3,
+        "readout": UNLIMITED,
+    }
+    return replace(config, **{**plain, **changes})
+
+
+def still(config: SensorConfig, lux: float, seconds: float, step_us: int) -> list[Sample]:
+    frame = uniform_frame(luminance_for_lux(lux, config), config)
+    return [(t, frame) for t in range(0, round(seconds * 1e6) + 1, step_us)]
+
+
+def thresholds(config: SensorConfig, seed: int) -> tuple[Reals, Reals]:
+    pixels = EventSensor(config, seed=seed)._pixels
+    return pixels["theta_on"].astype(np.float64), pixels["theta_off"].astype(np.float64)
+
+
+class Found:
+    """What is compared: rates [Hz], variation of intervals, share of alternations."""
+
+    def __init__(
+        self, pixel: npt.ArrayLike, t_us: npt.ArrayLike, on: npt.ArrayLike, seconds: float
+    ):
+        pixel, t_us, on = np.asarray(pixel), np.asarray(t_us), np.asarray(on, np.bool_)
+        order = np.lexsort((t_us, pixel))
+        pixel, t_us, on = pixel[order], t_us[order], on[order]
+        per_s = 1.0 / (SIDE * SIDE * seconds)
+        self.on_hz, self.off_hz = on.sum() * per_s, (~on).sum() * per_s
+        self.alternation = (on[1:] != on[:-1])[np.diff(pixel) == 0].mean()
+        gaps = np.diff(t_us[on])[np.diff(pixel[on]) == 0]
+        self.variation = gaps.std() / gaps.mean()
+
+
+def of_sensor(events: Events, seconds: float) -> Found:
+    pixel = events["y"].astype(int) * SIDE + events["x"]
+    return Found(pixel, events["t"], events["p"], seconds)
+
+
+@pytest.mark.parametrize(
+    ("lux", "changes", "seconds", "tolerance"),
+    [
+        (13.8, {"noise_sigma": 0.42}, 20.0, 0.03),
+        (13.8, {"noise_sigma": 0.30, "leak_hz": 0.2}, 60.0, 0.1),
+        (60.0, {"noise_sigma": 0.30, "leak_hz": 0.5, "refractory_us": 2000}, 12.0, 0.15),
+        (27.0, {"noise_sigma": 0.42, "theta_off": 1.25, "follower_hz": 286.0}, 8.0, 0.1),
+    ],
+    ids=["noise", "leak", "refractory", "follower"],
+)
+def test_events_of_a_still_scene_are_those_of_the_exact_simulation(
+    lux: float, changes: dict[str, Any], seconds: float, tolerance: float
+) -> None:
+    """Rates within 3 %; with a leak they are 7 to 13 % too high, since bursts are too long."""
+    config = noisy(**changes)
+    events, _ = run_sensor(config, still(config, lux, seconds, 100_000), seed=2)
+    found = of_sensor(events, seconds)
+    theta_on, theta_off = thresholds(config, 2)
+    tau_us = 1e6 / (2.0 * math.pi * lux)
+    follower_us = 1e6 / (2.0 * math.pi * config.follower_hz) if config.follower_hz else 0.0
+    share = tau_us / (tau_us + follower_us)
+    exact = exact_events(
+        ExactPixel(
+            sigma=config.noise_sigma * math.sqrt(share),
+            tau_us=tau_us,
+            follower_us=follower_us,
+            refractory_us=config.refractory_us,
+            leak_per_us=config.leak_hz * config.theta_on * 1e-6,
+        ),
+        theta_on,
+        theta_off,
+        times_us=np.array([0.0, seconds * 1e6]),
+        log_lux=np.zeros(2),
+        phase=theta_on * np.random.default_rng(1).random(theta_on.size),
+        settle_us=5e6,
+        seed=3,
+    )
+    expected = Found(exact.pixel, exact.t_us, exact.on, seconds)
+    assert found.on_hz == pytest.approx(expected.on_hz, rel=tolerance)
+    assert found.off_hz == pytest.approx(expected.off_hz, rel=tolerance)
+    assert found.alternation == pytest.approx(expected.alternation, abs=0.03)
+    assert found.variation == pytest.approx(expected.variation, rel=0.08)
+
+
+@pytest.mark.parametrize("contrast", [0.7, 0.9, 1.1, 1.4])
+@pytest.mark.parametrize("step_us", [250, 1000])
+def test_noise_softens_the_response_to_an_edge_as_in_the_exact_simulation(
+    contrast: float, step_us: int
+) -> None:
+    """The S-curve, and the jitter of the first event: an edge of 4 ms with thresholds of 0.3."""
+    config = noisy(
+        theta_on=0.3, theta_off=0.36, theta_mismatch=0.0, noise_sigma=0.04, width=60, height=60
+    )
+    times = np.arange(0, 200_001, step_us)
+    log_lux = math.log(30.0) + 0.3 * contrast * np.clip((times - 10_000) / 4000, 0.0, 1.0)
+    frames = [uniform_frame(luminance_for_lux(math.exp(u), config), config) for u in log_lux]
+    events, _ = run_sensor(config, zip(times.tolist(), frames, strict=True), seed=5)
+    on = events[events["p"]]
+    pixel = on["y"].astype(int) * 60 + on["x"]
+    share = np.unique(pixel).size / 3600
+    exact = exact_events(
+        ExactPixel(sigma=0.04, tau_us=1e6 / (2 * math.pi * 30.0 * math.exp(0.15 * contrast))),
+        np.full(3600, 0.3),
+        np.full(3600, 0.36),
+        times_us=times.astype(np.float64),
+        log_lux=log_lux,
+        phase=np.zeros(3600),
+        settle_us=0.0,
+        seed=6,
+    )
+    rising = exact.on
+    expected = np.unique(exact.pixel[rising]).size / 3600
+    assert share == pytest.approx(expected, abs=0.035)
+    assert on.size / 3600 == pytest.approx(rising.sum() / 3600, abs=0.06)
+    if expected > 0.5:
+        first = on["t"][np.unique(pixel, return_index=True)[1]]
+        first_exact = exact.t_us[rising][np.unique(exact.pixel[rising], return_index=True)[1]]
+        assert first.std() == pytest.approx(first_exact.std(), rel=0.25)
+
+
+def test_the_step_changes_no_event_of_a_still_scene() -> None:
+    """From 0.1 ms to 1 s, with a leak, a follower and a refractory period."""
+    config = noisy(noise_sigma=0.42, leak_hz=0.5, follower_hz=286.0, refractory_us=270)
+    streams = [
+        run_sensor(config, still(config, 13.8, 2.0, step))[0].tobytes()
+        for step in (100, 1000, 50_000, 1_000_000)
+    ]
+    assert len(streams[0]) > 10_000
+    assert streams.count(streams[0]) == 4
+
+
+def test_cuts_and_threads_change_no_event_of_a_moving_scene() -> None:
+    config = SensorConfig(width=WIDTH, height=HEIGHT, noise_sigma=0.12)
+    samples = list(moving_texture(300, level=0.3))
+    whole, _ = run_sensor(config, samples)
+    sensor = EventSensor(config, seed=1)
+    cut = [
+        o.events
+        for part in (samples[:7], samples[7:150], samples[150:])
+        for o in sensor.stream(part)
+    ]
+    threaded, _ = run_sensor(config, samples, threads=3)
+    assert whole.size > 500
+    assert np.concatenate(cut).tobytes() == whole.tobytes() == threaded.tobytes()
+
+
+def test_a_detector_that_resets_to_what_it_sees_conserves_its_input() -> None:
+    """On a still scene, θ_on·rate_on − θ_off·rate_off is the leak, in every pixel."""
+    config = noisy(noise_sigma=0.42, leak_hz=0.5, theta_mismatch=0.1)
+    seconds = 60.0
+    events, _ = run_sensor(config, still(config, 13.8, seconds, 1_000_000), seed=4)
+    pixel = events["y"].astype(int) * SIDE + events["x"]
+    on, off = (
+        np.bincount(pixel[events["p"] == polarity], minlength=SIDE * SIDE) for polarity in (1, 0)
+    )
+    theta_on, theta_off = thresholds(config, 4)
+    drift_per_s = (theta_on * on - theta_off * off) / seconds
+    assert on.sum() > 20 * 0.5 * seconds
+    assert drift_per_s.mean() == pytest.approx(0.5, rel=0.02)
+    assert drift_per_s.std() < 0.06
+
+
+def test_a_recording_does_not_begin_with_a_burst() -> None:
+    config = SensorConfig(width=96, height=96)
+    for lux in (0.1, 0.4, 300.0):
+        events, _ = run_sensor(config, still(config, lux, 20.0, 500_000), seed=6)
+        early = np.count_nonzero(events["t"] <= 2_000_000) / 2.0
+        late = np.count_nonzero(events["t"] > 2_000_000) / 18.0
+        assert early == pytest.approx(late, rel=0.15)
+
+
+def test_faint_noise_leaves_the_events_of_the_signal() -> None:
+    quiet = SensorConfig(
+        width=WIDTH, height=HEIGHT, noise_sigma=0.0, leak_hz=0.0, leak_hz_per_lux=0.0
+    )
+    clean, _ = run_sensor(quiet, moving_texture(200))
+    faint, causes = run_sensor(replace(quiet, noise_sigma=1e-4), moving_texture(200))
+    assert clean.size > 1000
+    assert faint.size == pytest.approx(clean.size, rel=0.003)
+    assert np.mean(causes == Cause.SIGNAL) > 0.99
+    edges = np.arange(0, 200_001, 500)
+    first, second = (np.histogram(events["t"], edges)[0] for events in (clean, faint))
+    assert np.abs(first - second).sum() < 0.05 * clean.size
+
+
+def test_only_a_change_of_the_light_causes_signal_events() -> None:
+    """Of two still scenes with a step between them, the step alone has events of the signal."""
+    config = noisy(theta_on=0.3, theta_off=0.36, noise_sigma=0.09, leak_hz=0.2)
+    frames = [uniform_frame(luminance_for_lux(lux, config), config) for lux in (30.0, 100.0)]
+    samples = [(t, frames[t > 1_000_000]) for t in range(0, 4_000_001, 10_000)]
+    events, causes = run_sensor(config, samples)
+    signal = events[causes == Cause.SIGNAL]
+    assert signal.size > 3 * SIDE * SIDE
+    assert signal["t"].min() > 1_000_000
+    assert np.mean(signal["t"] < 1_200_000) > 0.97
+    assert {Cause.SHOT, Cause.LEAK} <= set(causes)
+
+
+@pytest.mark.parametrize(
+    ("follower_hz", "level", "digest"),
+    [
+        (0.0, 0.3, "09ec3f83d99f6d0c017b67e287a00f6a6e0988b6ab476b4b33c72049321d9f0c"),
+        (0.0, 100.0, "03ea2632020a4692b88e97f9fdaa21978953dbb0d2152ac10e9707a794d5e23c"),
+        (590.0, 0.3, "2dfdef38e8156c40331b4e4e91807fe02665a5b6f23666e7a038ef2cc9d4e0da"),
+        (590.0, 100.0, "f8c807eb0fd207c468d06cf1afd401fc24ead3e5caebbbb814d663eb36b76e6f"),
+    ],
+)
+def test_without_noise_the_events_are_those_of_november_2026(
+    follower_hz: float, level: float, digest: str
+) -> None:
+    """Bit for bit, with leak and hot pixels; the digests are older than the noise."""
+    config = noisy(
+        width=WIDTH,
+        height=HEIGHT,
+        theta_on=0.18,
+        theta_off=0.22,
+        theta_mismatch=0.035,
+        bandwidth_hz_per_lux=100.0,
+        bandwidth_limit_hz=3000.0,
+        dark_lux=0.01,
+        leak_hz=0.1,
+        leak_hz_per_lux=2.4e-5,
+        hot_fraction=0.02,
+        follower_hz=follower_hz,
+        aps=SensorConfig().aps,
+    )
+    events, causes = run_sensor(config, moving_texture(300, level=level))
+    assert hashlib.sha256(events.tobytes() + causes.tobytes()).hexdigest() == digest
+
+
+def test_the_refractory_period_is_kept_and_noise_alternates() -> None:
+    config = noisy(noise_sigma=0.42, refractory_us=500)
+    events, causes = run_sensor(config, still(config, 13.8, 5.0, 10_000))
+    assert intervals_us(events).min() >= 500
+    assert np.all(causes == Cause.SHOT)
+    assert of_sensor(events, 5.0).alternation > 0.75
