@@ -23,7 +23,9 @@ from scenarios.pipeline.user_detectors import find_method
 SEEDS, SEEDS_IN_FULL = 2, 10
 NEEDED_BYTES = 300_000
 """Size of the output for one method [bytes] (measured)."""
-Factor = Literal["contrast", "direction", "length_px", "surface", "background"]
+Factor = Literal[
+    "contrast", "direction", "length_px", "surface", "background", "tilt_deg", "events_per_edge"
+]
 
 
 @dataclass(frozen=True)

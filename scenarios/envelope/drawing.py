@@ -12,7 +12,7 @@ import numpy.typing as npt
 from detector.metrics import Box
 from flybench.events import Events, concatenate_events
 from scenarios.envelope.noise import merge_streams, poisson_noise
-from scenarios.envelope.pixels import PixelArray
+from scenarios.envelope.pixels import PixelArray, threshold
 from scenarios.envelope.scene import Scene, make_scene
 from scenarios.envelope.stimulus import Stimulus
 
@@ -85,6 +85,7 @@ def _signal_events(scene: Scene) -> Iterator[Events]:
         [layer.texture for layer in scene.layers],
         [layer.opacity for layer in scene.layers],
         margin_px=scene.margin_px,
+        theta=threshold(scene.stimulus.events_per_edge),
         rng=np.random.default_rng((scene.stimulus.seed, 1)),
     )
     pixels.adapt(shifts[0], corners[0])

@@ -12,7 +12,7 @@ from flybench.direction import CARDINAL
 from scenarios.envelope.stimulus import Background, Stimulus, Surface
 from scenarios.errors import ScenarioError
 
-SPEED, NOISE = "speed_px_s", "noise_hz"
+SPEED, NOISE, TILT, SURFACE = "speed_px_s", "noise_hz", "tilt_deg", "surface"
 BASE = Stimulus()
 SPEEDS_PX_S = (30.0, 60.0, 90.0, 120.0, 180.0, 240.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0)
 NOISES_HZ = (0.0, 1.0, 2.0, 5.0, 10.0, 20.0)
@@ -20,10 +20,15 @@ LEVELS: dict[str, tuple[Any, ...]] = {
     "contrast": (0.1, 0.2, 0.4, 0.8),
     "direction": CARDINAL,
     "length_px": (30, 60, 120, 240),
-    "surface": tuple(Surface),
+    SURFACE: tuple(Surface),
     "background": tuple(Background),
+    TILT: (0.0, 5.0, 15.0, 25.0, 35.0),
+    "events_per_edge": (1, 2, 3, 4, 5),
 }
 """Levels of the other factors; each list contains the level of the base point."""
+TILTED_SURFACES = (Surface.BAR, Surface.BAND)
+"""Surfaces for which tilt is measured too, besides that of the base point: the long edges of a bar
+are along its path, and the edges of a band are all that is seen of it."""
 MAX_POINTS = 1_000_000
 
 
@@ -78,13 +83,18 @@ class Grid:
         """Return every stimulus once, seed by seed."""
         blocks = [self._block(self.noises_hz, self.crossed)]
         blocks += [self._block((BASE.noise_hz,), (name,)) for name in self.levels]
+        if TILT in self.levels:
+            blocks += [self._block((BASE.noise_hz,), (TILT,), s) for s in TILTED_SURFACES]
         unique = dict.fromkeys(itertools.chain.from_iterable(blocks))
         return [replace(point, seed=seed) for seed in range(self.seeds) for point in unique]
 
     def _axes(self) -> dict[str, tuple[Any, ...]]:
         return {SPEED: self.speeds_px_s, NOISE: self.noises_hz} | self.levels
 
-    def _block(self, noises_hz: Sequence[float], names: Sequence[str]) -> list[Stimulus]:
-        axes = {SPEED: self.speeds_px_s, NOISE: noises_hz} | {n: self.levels[n] for n in names}
+    def _block(
+        self, noises_hz: Sequence[float], names: Sequence[str], surface: Surface = BASE.surface
+    ) -> list[Stimulus]:
+        axes: dict[str, Sequence[Any]] = {SURFACE: (surface,), SPEED: self.speeds_px_s}
+        axes |= {NOISE: noises_hz} | {name: self.levels[name] for name in names}
         values = itertools.product(*axes.values())
         return [replace(BASE, **dict(zip(axes, point, strict=True))) for point in values]

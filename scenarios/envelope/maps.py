@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
-from scenarios.envelope.grid import BASE, NOISE, SPEED
+from scenarios.envelope.grid import BASE, NOISE, SPEED, SURFACE, TILT
+from scenarios.envelope.stimulus import BAR_PX
 from scenarios.envelope.table import (
     CORRECT,
     F64,
@@ -33,10 +35,16 @@ _VALUES = {
     OPPOSITE: "share of steps with the opposite direction, %",
     NONE: "share of steps without a direction, %",
 }
+_NO_STEP = "#c9c9c9"
+"""Colour of a cell without any step."""
 _COLOURS = {
-    CORRECT: mpl.colormaps["YlGnBu"],
-    OPPOSITE: LinearSegmentedColormap.from_list("wrong", ["white", "#f4a582", "#b2182b"]),
-    NONE: LinearSegmentedColormap.from_list("silent", ["white", "#222222"]),
+    CORRECT: mpl.colormaps["YlGnBu"].with_extremes(bad=_NO_STEP),
+    OPPOSITE: LinearSegmentedColormap.from_list(
+        "wrong", ["white", "#f4a582", "#b2182b"]
+    ).with_extremes(bad=_NO_STEP),
+    NONE: LinearSegmentedColormap.from_list("silent", ["white", "#222222"]).with_extremes(
+        bad=_NO_STEP
+    ),
 }
 _DARK = 0.6
 """Share above which a cell is dark, so that its number is white."""
@@ -56,8 +64,10 @@ _NAMES = {
     "contrast": "contrast [SD of ln L]",
     "direction": "direction",
     "length_px": "length of the target [px]",
-    "surface": "surface of the target",
+    SURFACE: "surface of the target",
     "background": "motion in the background",
+    TILT: "tilt of the target [deg]",
+    "events_per_edge": "events per edge and pixel",
 }
 
 
@@ -70,20 +80,32 @@ def draw_method(path: Path, rows: Sequence[Row], value: str, *, crossed: Sequenc
         value: the result, a share of the steps: `CORRECT`, `OPPOSITE` or `NONE`.
         crossed: factors whose levels are averaged in the map of speed and noise.
     """
-    factors = [name for name in _NAMES if name not in (SPEED, NOISE) and _varies(rows, name)]
-    columns = min(3, 1 + len(factors))
-    lines = -(-(1 + len(factors)) // columns)
+    maps = list(_factor_maps(rows))
+    columns = min(4, 1 + len(maps))
+    lines = -(-(1 + len(maps)) // columns)
     with figure_file(path, (0.4 + 4.3 * columns, 1.0 + 2.9 * lines)) as figure:
         figure.suptitle(f"{rows[0]['method']}: {_VALUES[value]}", x=0.01, ha="left")
-        first, *others = figure.subplots(lines, columns, squeeze=False).ravel()
+        first, *others = panels = figure.subplots(lines, columns, squeeze=False).ravel()
         full = at_base_point(rows, (SPEED, NOISE, *crossed))
         draw_map(first, full, NOISE, value, title=f"by noise{_mean_of(crossed)}")
-        for axes, factor in zip(others, factors, strict=False):
-            own = at_base_point(rows, (SPEED, factor))
-            draw_map(axes, own, factor, value, title=f"by {_short(factor)}")
-        for axes in others[len(factors) :]:
+        for axes, (factor, own, title) in zip(others, maps, strict=False):
+            draw_map(axes, own, factor, value, title=title)
+        for axes in others[len(maps) :]:
             axes.remove()
+        _colour_bar(figure, panels[: 1 + len(maps)], value)
         _footnote(figure, rows)
+
+
+def _factor_maps(rows: Sequence[Row]) -> Iterator[tuple[str, list[Row], str]]:
+    """Yield a factor, the rows to average by speed and this factor, and a title for each map."""
+    for factor in (name for name in _NAMES if name not in (SPEED, NOISE) and _varies(rows, name)):
+        yield factor, at_base_point(rows, (SPEED, factor)), f"by {_short(factor)}"
+        if factor == TILT:
+            free = at_base_point(rows, (SPEED, TILT, SURFACE))
+            for surface in levels(free, SURFACE):
+                own = [row for row in free if row[SURFACE] == surface]
+                if surface != BASE.surface and _varies(own, TILT):
+                    yield factor, own, f"by tilt of a {surface}"
 
 
 def draw_comparison(path: Path, rows: Sequence[Row], *, crossed: Sequence[str]) -> None:
@@ -100,6 +122,7 @@ def draw_comparison(path: Path, rows: Sequence[Row], *, crossed: Sequence[str]) 
                 lowest = worst_level(own, SPEED, NOISE, factor, CORRECT)
                 _draw_cells(axes, own, NOISE, CORRECT, lowest)
                 axes.set_title(f"{method}: worst {_short(factor)}", pad=9)
+        _colour_bar(figure, grid.ravel(), CORRECT)
         _footnote(figure, rows)
 
 
@@ -115,6 +138,7 @@ def draw_levels(path: Path, rows: Sequence[Row], factor: str) -> None:
                 own = at_base_point(own, (SPEED, NOISE, factor))
                 title = f"{method}: correct, {_short(factor)} {level}"
                 draw_map(axes, own, NOISE, CORRECT, title=title)
+        _colour_bar(figure, grid.ravel(), CORRECT)
         _footnote(figure, rows)
 
 
@@ -176,11 +200,20 @@ def _mean_of(crossed: Sequence[str]) -> str:
 
 
 def _short(factor: str) -> str:
-    return factor.removesuffix("_px")
+    return factor.removesuffix("_px").removesuffix("_deg").replace("_", " ")
 
 
 def _label(level: Any) -> str:
     return f"{level:g}" if isinstance(level, int | float) else str(level)
+
+
+def _colour_bar(figure: Figure, panels: Iterable[Axes], value: str) -> None:
+    """Draw the scale of the colours beside the maps."""
+    scale = ScalarMappable(Normalize(0, 100), _COLOURS[value])
+    bar = figure.colorbar(scale, ax=list(panels), shrink=0.7, aspect=30, pad=0.02)
+    bar.set_label("steps, %", fontsize=8)
+    bar.ax.tick_params(labelsize=8, length=0)
+    bar.outline.set_visible(False)
 
 
 def _footnote(figure: Figure, rows: Sequence[Row]) -> None:
@@ -188,10 +221,13 @@ def _footnote(figure: Figure, rows: Sequence[Row]) -> None:
     text = (
         "Share of the 10 ms steps at least 100 ms after the target came into view (a slow target "
         "is in view from the start). Each cell is the mean of "
-        f"{seeds} repetition{'s' if seeds > 1 else ''}; a cell without a number has no errors. "
-        f"Orange: at least {100 * MIN_CORRECT:.0f} % correct. Grey bar: the paper's speeds. "
+        f"{seeds} repetition{'s' if seeds > 1 else ''}. A blank cell has no errors: it is 100 % in "
+        "a map of correct steps, and 0 % in the others. A grey cell has no step. "
+        f"Orange line: at least {100 * MIN_CORRECT:.0f} % correct. Grey bar: the paper's speeds. "
         f"Other factors: {BASE.length_px}×{BASE.height_px} px, contrast {BASE.contrast:g}, "
-        f"{BASE.surface}, {BASE.direction}, {BASE.noise_hz:g} Hz, background {BASE.background}."
+        f"{BASE.surface}, {BASE.direction}, {BASE.noise_hz:g} Hz, background {BASE.background}, "
+        f"tilt {BASE.tilt_deg:g}°, {BASE.events_per_edge} events per edge. A bar is "
+        f"{BASE.length_px}×{BAR_PX} px along its path; a band crosses the whole image."
     )
     text = textwrap.fill(text, round(_CHARACTERS_PER_INCH * figure.get_figwidth()))
     figure.supxlabel(text, fontsize=7, x=0.01, ha="left", color="#555555")

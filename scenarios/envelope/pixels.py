@@ -14,13 +14,19 @@ from flybench.kernels import compiled
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
-_SENSOR = SensorConfig()
-THETA_ON, THETA_OFF = _SENSOR.theta_on, _SENSOR.theta_off
-THETA_MISMATCH = _SENSOR.theta_mismatch
-"""The thresholds of the emulator [ln luminance]; this module uses nothing else of its pixel
-model."""
+MISMATCH = SensorConfig().theta_mismatch / SensorConfig().theta_on
+"""Standard deviation of the thresholds over the pixels, relative to their mean: that of the
+emulator. This module uses nothing else of its pixel model."""
+EDGE_CONTRAST = 0.8
+"""Step of log luminance that `Stimulus.events_per_edge` counts the events of: the contrast of the
+base point."""
 _MIN_THETA = 0.02
 """Lowest threshold of any pixel."""
+
+
+def threshold(events_per_edge: int) -> float:
+    """Return the threshold at which an edge of `EDGE_CONTRAST` causes this many events."""
+    return EDGE_CONTRAST / (events_per_edge + 0.5)
 
 
 class PixelArray:
@@ -31,6 +37,7 @@ class PixelArray:
         textures: log luminance of the layers, from back to front, each (rows, columns) float32.
         opacities: opacity of the layers, with the shapes of the textures: 1 hides what is behind.
         margin_px: how far the background extends beyond the image.
+        theta: mean of the thresholds, for rising and falling luminance [ln luminance].
         rng: random generator for the mismatch of the thresholds.
     """
 
@@ -41,6 +48,7 @@ class PixelArray:
         opacities: list[F32],
         *,
         margin_px: int,
+        theta: float,
         rng: np.random.Generator,
     ) -> None:
         rows, columns = (size - 2 * margin_px for size in background.shape)
@@ -50,8 +58,8 @@ class PixelArray:
             for texture, opacity in zip(textures, opacities, strict=True)
         ]
         on, off = (
-            np.maximum(theta + THETA_MISMATCH * rng.standard_normal((rows, columns)), _MIN_THETA)
-            for theta in (THETA_ON, THETA_OFF)
+            np.maximum(theta * (1 + MISMATCH * rng.standard_normal((rows, columns))), _MIN_THETA)
+            for _ in range(2)
         )
         self._theta_on, self._theta_off = on.astype(np.float32), off.astype(np.float32)
         self._present = np.zeros((rows, columns), np.float32)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -14,6 +15,7 @@ from scenarios.envelope.stimulus import Background, Stimulus, Surface
 from scenarios.envelope.textures import (
     foliage,
     panels,
+    rotated,
     saloon_car,
     smooth_background,
     stripes,
@@ -63,6 +65,8 @@ class Layer:
         centre_px: (x, y) of its centre, half way through the crossing [px].
         velocity_px_s: (x, y) velocity [px/s].
         oscillation: motion that is added to the velocity; None: none.
+        outline_px: (4, 2) corners of a tilted object, from the upper left corner of its texture
+            [px]; None: the object fills its texture.
     """
 
     texture: F32
@@ -70,6 +74,7 @@ class Layer:
     centre_px: tuple[float, float]
     velocity_px_s: tuple[float, float] = (0.0, 0.0)
     oscillation: Oscillation | None = None
+    outline_px: F64 | None = None
 
     @property
     def size_px(self) -> F64:
@@ -137,8 +142,11 @@ class Scene:
 
     def target_px(self, t_us: F64) -> F64:
         """Return the target's clipped x0, y0, x1, y1 (n, 4) [px] at times (n,) [µs]."""
-        s, corner = self.stimulus, self.corners_px(t_us)[:, -1]
-        box = np.concatenate([corner, corner + self.layers[-1].size_px], axis=1)
+        s, corner, target = self.stimulus, self.corners_px(t_us)[:, -1], self.layers[-1]
+        if target.outline_px is not None:
+            outlines = (target.outline_px + c for c in corner)
+            return np.array([visible_box(o, width=s.width, height=s.height) for o in outlines])
+        box = np.concatenate([corner, corner + target.size_px], axis=1)
         return np.asarray(np.clip(box, 0, (s.width, s.height, s.width, s.height)), np.float64)
 
 
@@ -146,7 +154,7 @@ def make_scene(stimulus: Stimulus) -> Scene:
     """Draw the textures and plan the motion of a stimulus; equal stimuli give equal scenes."""
     rng = np.random.default_rng((stimulus.seed, 0))
     across_px = rng.uniform(-LANE_OFFSET_PX, LANE_OFFSET_PX)
-    target = _vehicle(stimulus, 1.0, _centre_px(stimulus, across_px), rng)
+    target = _tilted(_vehicle(stimulus, 1.0, _centre_px(stimulus, across_px), rng), stimulus)
     moving: list[Layer] = []
     shake = None
     if stimulus.background is Background.WIND:
@@ -187,11 +195,38 @@ def _vehicle(
     return Layer(texture, opacity, centre_px, velocity)
 
 
+def _tilted(target: Layer, s: Stimulus) -> Layer:
+    """Return the target, rotated about its centre; its motion stays as it is."""
+    if s.tilt_deg == 0.0:
+        return target
+    texture, opacity = rotated(target.texture, target.opacity, s.tilt_deg)
+    (w, h), centre = target.size_px / 2, np.array(texture.shape[::-1]) / 2
+    corners = np.array([(-w, -h), (w, -h), (w, h), (-w, h)])
+    sine, cosine = math.sin(math.radians(s.tilt_deg)), math.cos(math.radians(s.tilt_deg))
+    outline = centre + corners @ np.array([(cosine, sine), (-sine, cosine)])
+    return replace(target, texture=texture, opacity=opacity, outline_px=outline)
+
+
+def visible_box(outline_px: F64, *, width: int, height: int) -> tuple[float, float, float, float]:
+    """Return the bounding box of the part of a convex outline (n, 2) that is in the image [px].
+
+    Returns:
+        x0, y0, x1, y1; zeros if no part is in the image.
+    """
+    image = np.array([(0, 0), (width, 0), (width, height), (0, height)], np.float32)
+    area, part = cv2.intersectConvexConvex(outline_px.astype(np.float32), image)
+    if area <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    points = part.reshape(-1, 2)
+    (x0, y0), (x1, y1) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    return x0, y0, x1, y1
+
+
 def _appearance(s: Stimulus, shape: tuple[int, int], rng: np.random.Generator) -> tuple[F32, F32]:
     """Return texture and opacity of a vehicle that faces right."""
     if s.surface is Surface.SALOON:
         return saloon_car(shape, contrast=s.contrast)
-    if s.surface is Surface.PLAIN:
+    if s.surface in (Surface.PLAIN, Surface.BAR, Surface.BAND):
         texture = np.full(shape, s.contrast, np.float32)
     elif s.surface is Surface.STRIPES:
         texture = stripes(shape, contrast=s.contrast)

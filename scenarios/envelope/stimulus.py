@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -26,13 +27,22 @@ class Surface(StrEnum):
     SALOON = "saloon"
     PLAIN = "plain"
     STRIPES = "stripes"
+    BAR = "bar"
+    BAND = "band"
 
+
+BAR_PX = 6
+"""Height of a bar [px] (assumed)."""
 
 _RANGES = {
     "speed_px_s": Range(1.0, 20_000.0),
     "noise_hz": Range(0.0, 1_000.0),
     "contrast": Range(0.0, 3.0),
     "length_px": Range(4, 1_000),
+    "tilt_deg": Range(
+        -44.0, 44.0, "deg", remedy="At 45 deg, an edge across the path has no cardinal direction."
+    ),
+    "events_per_edge": Range(1, 50),
     "seed": Range(0, 2**32 - 1),
     "width": Range(4, 4096),
     "height": Range(4, 4096),
@@ -62,7 +72,15 @@ class Stimulus:
         length_px: length of the target along its path [px]; its height is two fifths of that.
             Assumed: 120; the simulated car has 210 at the paper's distance.
         surface: texture of the target: panels of several sizes, a saloon car with few edges, plain
-            (only the outline has edges), or stripes across the path.
+            (only the outline has edges), stripes across the path, a plain bar along the path, 6 px
+            high, or a plain band across the path that is longer than the image, so that its ends
+            are never in view.
+        tilt_deg: rotation of the target about its centre, clockwise in the image [deg]. The true
+            direction stays that of the motion. The motion of a band along itself cannot be seen,
+            and the direction normal to its edges counts as right; below 45 deg, it is the same one
+            of the four directions.
+        events_per_edge: events of a pixel when an edge of 0.8 in log luminance passes. It sets the
+            thresholds; with 2 they are 0.32, about those of the emulated DAVIS346.
         background: motion besides that of the target.
         seed: seed of texture, position, background, pixels and noise.
         width: sensor columns [px].
@@ -78,6 +96,8 @@ class Stimulus:
     direction: Direction = Direction.RIGHT
     length_px: int = 120
     surface: Surface = Surface.PANELS
+    tilt_deg: float = 0.0
+    events_per_edge: int = 2
     background: Background = Background.STILL
     seed: int = 0
     width: int = 346
@@ -85,7 +105,11 @@ class Stimulus:
 
     @property
     def height_px(self) -> int:
-        """Extent of the target across its path [px]."""
+        """Extent of the target across its path, before it is tilted [px]."""
+        if self.surface is Surface.BAR:
+            return BAR_PX
+        if self.surface is Surface.BAND:
+            return 2 * math.ceil(math.hypot(self.width, self.height)) + 2 * self.length_px
         return max(2, round(0.4 * self.length_px))
 
     def __post_init__(self) -> None:

@@ -77,6 +77,30 @@ def saloon_car(shape: tuple[int, int], *, contrast: float) -> tuple[F32, F32]:
     return texture.astype(np.float32), opacity.astype(np.float32)
 
 
+def rotated(texture: F32, opacity: F32, clockwise_deg: float) -> tuple[F32, F32]:
+    """Return a layer rotated about its centre, in the smallest rectangle that holds it.
+
+    Args:
+        texture: log luminance, (rows, columns) float32.
+        opacity: its opacity, the same shape.
+        clockwise_deg: angle of the rotation, clockwise in the image [deg].
+
+    Returns:
+        Log luminance and opacity, (rows, columns) float32; the opacity falls from 1 to 0 within a
+        pixel of the edges.
+    """
+    rows, columns = texture.shape
+    matrix = cv2.getRotationMatrix2D(((columns - 1) / 2, (rows - 1) / 2), -clockwise_deg, 1.0)
+    turn = np.abs(matrix[:, :2])
+    width, height = (int(np.ceil(v)) + 2 for v in turn @ (columns, rows))
+    matrix[:, 2] += (width - columns) / 2, (height - rows) / 2
+    turned, covered = (
+        np.asarray(cv2.warpAffine(image, matrix, (width, height), borderMode=border), np.float32)
+        for image, border in ((texture, cv2.BORDER_REPLICATE), (opacity, cv2.BORDER_CONSTANT))
+    )
+    return turned, covered
+
+
 def smooth_background(shape: tuple[int, int], *, contrast: float, rng: np.random.Generator) -> F32:
     """Return a background without sharp edges; arguments and result are those of `panels`."""
     return _octaves(shape, BACKGROUND_OCTAVES_PX, cv2.INTER_CUBIC, contrast, rng)

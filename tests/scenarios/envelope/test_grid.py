@@ -3,7 +3,7 @@
 import pytest
 
 from flybench.direction import CARDINAL, Direction
-from scenarios.envelope.grid import BASE, LEVELS, Grid
+from scenarios.envelope.grid import BASE, LEVELS, TILT, TILTED_SURFACES, Grid
 from scenarios.envelope.stimulus import Background
 from scenarios.errors import ScenarioError
 
@@ -54,3 +54,11 @@ def test_the_default_grid_is_small_and_covers_the_whole_range() -> None:
 def test_an_invalid_grid_is_refused(arguments: dict[str, object], words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
         Grid(**arguments)  # type: ignore[arg-type]
+
+
+def test_tilt_is_also_measured_for_a_bar_and_a_band() -> None:
+    points = Grid((400.0,), (1.0,), {TILT: (0.0, 15.0)}, crossed=(), seeds=1).points()
+    found = {(point.surface, point.tilt_deg) for point in points}
+    assert found == {
+        (surface, tilt) for surface in (BASE.surface, *TILTED_SURFACES) for tilt in (0.0, 15.0)
+    }

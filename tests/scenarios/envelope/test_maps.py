@@ -66,3 +66,20 @@ def test_the_outline_encloses_the_cells_with_enough_correct_steps() -> None:
     plain = Figure().add_subplot()
     draw_map(plain, FLY, "noise_hz", OPPOSITE, title="opposite")
     assert not [line for line in plain.lines if line.get_color() == "#e4572e"]
+
+
+def test_tilt_has_a_map_for_every_surface_that_was_tilted(tmp_path: Path) -> None:
+    rows = [
+        made_up_row("fly", speed_px_s=v, tilt_deg=tilt, surface=surface)
+        for v in SPEEDS
+        for tilt in (0.0, 15.0)
+        for surface in ("panels", "bar")
+    ]
+    rows += [made_up_row("fly", speed_px_s=v, surface="saloon") for v in SPEEDS]
+    draw_method(tmp_path / "fly", rows, CORRECT, crossed=())
+    svg = svg_text(tmp_path / "fly")
+    assert "by tilt<" in svg
+    assert "by tilt of a bar<" in svg
+    assert "by tilt of a saloon" not in svg
+    assert "steps, %" in svg  # the colour bar
+    assert "grey cell has no step" in " ".join(svg.split())

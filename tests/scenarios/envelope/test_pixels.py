@@ -5,24 +5,28 @@ import pytest
 
 from flybench.events import Events
 from scenarios.envelope import pixels
-from scenarios.envelope.pixels import THETA_OFF, THETA_ON, PixelArray
+from scenarios.envelope.pixels import EDGE_CONTRAST, PixelArray, threshold
 
 WHOLE = (0, 0, 8, 6)
+THETA = 0.2
 STILL = np.zeros(2)
 
 
 @pytest.fixture(autouse=True)
 def _no_mismatch(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pixels, "THETA_MISMATCH", 0.0)
+    monkeypatch.setattr(pixels, "MISMATCH", 0.0)
 
 
-def array_of(texture: float, *, opacity: float = 1.0, background: float = 0.0) -> PixelArray:
+def array_of(
+    texture: float, *, opacity: float = 1.0, background: float = 0.0, theta: float = THETA
+) -> PixelArray:
     block = np.full((2, 3), texture, np.float32)
     made = PixelArray(
         np.full((10, 12), background, np.float32),
         [block],
         [np.full((2, 3), opacity, np.float32)],
         margin_px=2,
+        theta=theta,
         rng=np.random.default_rng(0),
     )
     made.adapt(STILL, np.array([[-10.0, 1.0]]))
@@ -34,30 +38,30 @@ def show(array: PixelArray, x: float, y: float = 1.0, *, start_us: float = 0.0) 
 
 
 def test_a_brighter_layer_causes_one_on_event_per_threshold() -> None:
-    events = show(array_of(1.0), 2.0)
-    crossings = np.arange(THETA_ON, 1.0, THETA_ON)
+    events = show(array_of(1.01), 2.0)
+    crossings = THETA * np.arange(1, 6)
     assert set(zip(events["x"].tolist(), events["y"].tolist(), strict=True)) == {
         (x, y) for x in (2, 3, 4) for y in (1, 2)
     }
     assert events["p"].all()
     one = events[(events["x"] == 3) & (events["y"] == 2)]
-    np.testing.assert_allclose(one["t"], crossings * 1000, atol=1)
+    np.testing.assert_allclose(one["t"], crossings / 1.01 * 1000, atol=1)
 
 
 def test_a_darker_layer_causes_off_events() -> None:
     events = show(array_of(-0.5), 2.0)
     assert not events["p"].any()
-    assert events.size == 6 * int(0.5 / THETA_OFF)
+    assert events.size == 6 * int(0.5 / THETA)
 
 
 def test_changes_below_a_threshold_add_up() -> None:
     array = array_of(0.1)  # less than a threshold
     assert show(array, 2.0).size == 0
     assert show(array, 2.0).size == 0
-    other = array_of(2.2 * THETA_ON)
+    other = array_of(2.2 * THETA)
     assert show(other, 2.0).size == 2 * 6
-    gone = show(other, -10.0, start_us=1000.0)  # back by 2 ON thresholds: 1.6 OFF ones
-    assert gone.size == 6
+    gone = show(other, -10.0, start_us=1000.0)  # 2 thresholds up, and 2 down
+    assert gone.size == 2 * 6
     assert not gone["p"].any()
     assert (gone["t"] > 1000).all()
 
@@ -86,8 +90,15 @@ def test_only_the_given_region_changes() -> None:
 def test_a_shifted_background_shifts_in_every_pixel() -> None:
     background = np.tile(np.arange(12, dtype=np.float32), (10, 1))
     array = PixelArray(background, [np.zeros((1, 1), np.float32)], [np.zeros((1, 1), np.float32)],
-                    margin_px=2, rng=np.random.default_rng(0))  # fmt: skip
+                    margin_px=2, theta=THETA, rng=np.random.default_rng(0))  # fmt: skip
     array.adapt(STILL, np.array([[0.0, 0.0]]))
     np.testing.assert_allclose(array._present[0], np.arange(2, 10))
     array.step(np.array([-1.5, 0.0]), np.array([[0.0, 0.0]]), WHOLE, start_us=0, step_us=1000.0)
     np.testing.assert_allclose(array._present[3], np.arange(2, 10) + 1.5)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_an_edge_causes_the_given_number_of_events(number: int, sign: int) -> None:
+    array = array_of(sign * EDGE_CONTRAST, theta=threshold(number))
+    assert show(array, 2.0).size == 6 * number

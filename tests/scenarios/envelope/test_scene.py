@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from flybench.direction import CARDINAL, Direction
-from scenarios.envelope.scene import DISTRACTOR_SCALE, LEAD_S, MAX_CROSSING_S, make_scene
+from scenarios.envelope.scene import (
+    DISTRACTOR_SCALE,
+    LEAD_S,
+    MAX_CROSSING_S,
+    make_scene,
+    visible_box,
+)
 from scenarios.envelope.stimulus import Background, Stimulus, Surface
 
 VELOCITY: dict[Direction, tuple[int, int]] = {
@@ -92,3 +98,44 @@ def test_the_seed_changes_texture_and_position() -> None:
     one, other = make_scene(Stimulus(seed=1)), make_scene(Stimulus(seed=2))
     assert not np.array_equal(one.layers[-1].texture, other.layers[-1].texture)
     assert one.layers[-1].centre_px != other.layers[-1].centre_px
+
+
+def test_a_tilted_target_keeps_its_motion_and_its_visible_box_is_that_of_its_outline() -> None:
+    straight, tilted = (
+        make_scene(Stimulus(speed_px_s=400, surface=Surface.PLAIN, tilt_deg=tilt))
+        for tilt in (0.0, 30.0)
+    )
+    times_us = np.array([650_000.0, 750_000.0])
+    centres = [
+        scene.corners_px(times_us)[:, -1] + scene.layers[-1].size_px / 2
+        for scene in (straight, tilted)
+    ]
+    np.testing.assert_allclose(centres[0], centres[1])
+    x0, y0, x1, y1 = tilted.target_px(times_us)[0]
+    sine, cosine = np.sin(np.radians(30)), np.cos(np.radians(30))
+    assert (x1 - x0, y1 - y0) == pytest.approx(
+        (120 * cosine + 48 * sine, 120 * sine + 48 * cosine), abs=0.01
+    )
+    layer = tilted.layers[-1]
+    rows, columns = np.nonzero(layer.opacity > 0.5)
+    assert rows.size == pytest.approx(120 * 48, rel=0.01)
+    assert np.corrcoef(columns, rows)[0, 1] > 0.5  # clockwise: its right end is lower
+
+
+@pytest.mark.parametrize("direction", CARDINAL)
+def test_a_band_crosses_the_whole_image_and_is_out_of_view_before_and_after(
+    direction: Direction,
+) -> None:
+    scene = make_scene(
+        Stimulus(speed_px_s=900, surface=Surface.BAND, direction=direction, tilt_deg=15.0)
+    )
+    before, middle = scene.target_px(np.array([0.0, scene.duration_us - scene.crossing_s * 5e5]))
+    assert tuple(before) == (0, 0, 0, 0)
+    across = 1 if VELOCITY[direction][0] else 0
+    assert (middle[across], middle[across + 2]) == (0, (346, 260)[across])
+
+
+def test_the_visible_box_is_that_of_the_part_in_the_image() -> None:
+    diamond = np.array([(0, -5), (5, 0), (0, 5), (-5, 0)], np.float64)
+    assert visible_box(diamond, width=10, height=8) == pytest.approx((0, 0, 5, 5))
+    assert visible_box(diamond - 6, width=10, height=8) == (0, 0, 0, 0)
