@@ -161,11 +161,14 @@ class Crossing:
             truth = probe.measure(frame.t_us, self.seconds(frame.t_us), frame.body)
             yield Sample(frame.t_us, frame.luminance, truth, frame.changed)
 
-    def render_ahead(self) -> Iterator[int]:
+    def render_ahead(self, times_us: Sequence[int] | None = None) -> Iterator[int]:
         """Render into the cache what `samples` will read, before other stages take memory.
 
         This ends at once if there is no cache or if the cache holds the sequence already. It ends
         early if the cache turns out to have no room for the sequence.
+
+        Args:
+            times_us: times of the samples, as for `samples` [µs].
 
         Yields:
             Times of the rendered samples, in order [µs].
@@ -175,7 +178,8 @@ class Crossing:
         """
         if self.cache is None:
             return
-        with closing(self._cached_luminance(self.times_us())) as frames:
+        times = self.times_us() if times_us is None else list(times_us)
+        with closing(self._cached_luminance(times)) as frames:
             for frame in frames:
                 if not self.cache.stores:
                     return

@@ -25,21 +25,29 @@ from scenarios.pipeline.registry import DETECTORS
 from scenarios.runs.sequence import estimated_bytes
 from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
+from scenarios.study.conditions import (
+    DISTRACTORS,
+    high_thresholds,
+    paper_rows,
+)
 from scenarios.study.figures.all_figures import draw_figures
 from scenarios.study.finished import finished_sequences, link_or_copy
+from scenarios.study.moving_backgrounds import in_front_of_moving_backgrounds
 from scenarios.study.one_sequence import SequenceTask
 from scenarios.study.report.page import write_report
 from scenarios.study.report.terminal import print_study
-from scenarios.study.results import SequenceResult, without_failed
+from scenarios.study.results import STILL, SequenceResult, without_failed
 from scenarios.study.rows import COLUMNS, Row, study_rows
 from scenarios.study.runner import run_sequences
-from scenarios.study.statistics import Interval, by_method_and_lighting
+from scenarios.study.summary import summarise
 from scenarios.study.timed_detector import CONTRAST_HOP_US
 from sim import CrossingConfig, Lighting
 from sim.config import PAPER_OMEGA_RAD_S
 
 METHODS = tuple(entry.name for entry in DETECTORS.values() if entry.in_study)
 SEEDS, MOST_SEEDS = 5, 100
+SECOND_SENSORS = 3
+"""Number of sensors with high thresholds, which see the same luminance."""
 TABLE, REPORT, RECORDINGS, FIGURES = "results.csv", "report.html", "recordings", "figures"
 REPORT_BYTES = 4_000_000
 """Room for the report, the figures and the table [bytes] (assumed)."""
@@ -70,6 +78,12 @@ class Study:
     contrast_hop_ms: Annotated[float, tyro.conf.arg(help=_HOP_HELP)] = CONTRAST_HOP_US / 1e3
     recordings: bool = True
     """Write a Rerun recording of each crossing, with the sensor of the first seed."""
+    moving_backgrounds: bool = True
+    """Also draw the middle of one crossing of each lighting in front of four moving backgrounds:
+    trees in the wind, a vehicle that drives the other way, a shaking camera, and all three."""
+    second_sensor: bool = True
+    """Also show the crossings to sensors of few events an edge: thresholds of 0.4 and 0.5, and a
+    refractory period of 1 ms."""
     step_px: float = CrossingConfig.step_px
     """Largest motion in the image between two luminance samples, 0.05 to 8 [px]."""
     supersample: int = CrossingConfig.supersample
@@ -81,7 +95,7 @@ class Study:
     cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
 
     def tasks(self) -> list[SequenceTask]:
-        """Return the crossings to run, without recordings.
+        """Return the sequences to run, without recordings; those of the paper come first.
 
         Raises:
             ScenarioError: the number of seeds is out of range, no method is given, or a method or a
@@ -91,18 +105,21 @@ class Study:
             DetectorConfigError: the hop of contrast maximisation does not divide its window.
         """
         self._check()
+        seeds = tuple(range(self.seeds))
         tasks = [
             SequenceTask(
                 crossing,
                 methods=self.methods,
-                seeds=tuple(range(self.seeds)),
+                seeds=seeds,
                 cache=self.cache,
                 contrast_hop_us=round(self.contrast_hop_ms * 1e3),
+                high_threshold_seeds=seeds[:SECOND_SENSORS] if self.second_sensor else (),
             )
             for crossing in self._crossings()
         ]
         tasks[0].detectors(0)
-        return tasks
+        moving = in_front_of_moving_backgrounds(tasks) if self.moving_backgrounds else ()
+        return [*tasks, *moving]
 
     def execute(self) -> int:
         """Run the study, write the folder and print the results."""
@@ -112,7 +129,9 @@ class Study:
         check_output_folder(self.out, needed_bytes=self._estimated_bytes(tasks))
         with atomic_folder(self.out) as work, finished_sequences(work.parent / FINISHED) as done:
             if self.recordings:
-                tasks = [done.recorded(task) for task in tasks]
+                tasks = [
+                    done.recorded(task) if task.background == STILL else task for task in tasks
+                ]
             with progress_bar(_SPEED_OVER_S) as progress:
                 advance = progress.track("study")
                 sequences = run_sequences(tasks, jobs=self.jobs, finished=done, progress=advance)
@@ -122,7 +141,7 @@ class Study:
             rows = study_rows(sequences)
             claims = evaluate_claims(rows)
             self._write(work, tasks, sequences, rows, claims, failed, start_s)
-        print_study(rows, claims)
+        print_study(paper_rows(rows), claims)
         say(f"Wrote {self.out}. Open {self.out / REPORT} to read the report.")
         return report_failures(failed.values())
 
@@ -156,7 +175,8 @@ class Study:
     def _estimated_bytes(self, tasks: Sequence[SequenceTask]) -> int:
         if not self.recordings:
             return REPORT_BYTES
-        return REPORT_BYTES + sum(estimated_bytes(task.config()) for task in tasks)
+        recorded = [task for task in tasks if task.background == STILL]
+        return REPORT_BYTES + sum(estimated_bytes(task.config()) for task in recorded)
 
     def _write(
         self,
@@ -185,8 +205,14 @@ class Study:
             figures=figures,
             failed=failed,
         )
-        summary = self._summary(rows, claims, time.perf_counter() - start_s)
-        write_summary(work, summary | {"failed": failed})
+        about = {
+            "command": "study",
+            "parameters": self._arguments(),
+            "versions": versions(),
+            "wall_s": round(time.perf_counter() - start_s, 1),
+            "failed": failed,
+        }
+        write_summary(work, about | summarise(rows, claims))
 
     def _parameters(self, tasks: Sequence[SequenceTask]) -> dict[str, Any]:
         """Return the parameters for the report: arguments, scene, sensor and methods."""
@@ -196,7 +222,9 @@ class Study:
             "study": self._arguments(),
             "scene": first.crossing,
             "sensor": first.sensor,
-            "methods": {w.method: c for w in first.detectors(0) if (c := w.config) is not None},
+            "second sensor": high_thresholds(first.sensor) if self.second_sensor else "none",
+            "moving backgrounds": dict(DISTRACTORS) if self.moving_backgrounds else "none",
+            "methods": {w.method: c for w in tasks[-1].detectors(0) if (c := w.config) is not None},
         }
 
     def _arguments(self) -> dict[str, Any]:
@@ -218,28 +246,6 @@ class Study:
                 words = value if isinstance(value, tuple) else (value,)
                 parts.append(" ".join([f"--{option}", *map(str, words)]))
         return " ".join(parts)
-
-    def _summary(
-        self, rows: Sequence[Row], claims: Sequence[Claim], wall_s: float
-    ) -> dict[str, Any]:
-        return {
-            "command": "study",
-            "parameters": self._arguments(),
-            "versions": versions(),
-            "statistics": {
-                method: {
-                    lighting: {name: _plain(value) for name, value in found.items()}
-                    for lighting, found in by_lighting.items()
-                }
-                for method, by_lighting in by_method_and_lighting(rows).items()
-            },
-            "claims": [asdict(claim) for claim in claims],
-            "wall_s": round(wall_s, 1),
-        }
-
-
-def _plain(interval: Interval | None) -> dict[str, float] | None:
-    return None if interval is None else asdict(interval)
 
 
 if __name__ == "__main__":

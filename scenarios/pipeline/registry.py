@@ -5,6 +5,7 @@ To add a detector, write its file in `detector/`, add one entry to `DETECTORS`, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -27,8 +28,10 @@ from detector import (
     TimeDifference,
     TimeDifferenceConfig,
 )
+from detector.fly.model_variants import Attention
 
 FLY, WIDE = "fly", "wide"
+FLY_EVERYWHERE, WIDE_EVERYWHERE = "fly-no-attention", "wide-no-attention"
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
 SPACE_TIME, SPIKING, TIME_DIFFERENCE = "space-time-filters", "spiking-delays", "time-difference"
 COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
@@ -58,6 +61,10 @@ class DetectorEntry:
         gives_velocity: True if `MotionEstimate.response` is the image velocity itself [px/s].
         looks_at_frames: True if it needs APS frames.
         in_study: True if `flybench study` runs it by default.
+        study_sensors: largest number of sensors for which `flybench study` runs it, because it is
+            slow; None: all.
+        without_attention: name of the entry that differs only in having no attention; None: there
+            is none.
     """
 
     name: str
@@ -70,6 +77,8 @@ class DetectorEntry:
     gives_velocity: bool = False
     looks_at_frames: bool = False
     in_study: bool = True
+    study_sensors: int | None = None
+    without_attention: str | None = None
 
     def make(self, *, width: int, height: int) -> Detector:
         """Return a fresh detector for a sensor of this size [px]."""
@@ -93,6 +102,7 @@ _ENTRIES = (
         label="event-driven fly",
         colour="#D55E00",
         marker="o",
+        without_attention=FLY_EVERYWHERE,
     ),
     DetectorEntry(
         name=WIDE,
@@ -102,6 +112,27 @@ _ENTRIES = (
         label="event-driven fly, wide",
         colour="#E69F00",
         marker="p",
+        without_attention=WIDE_EVERYWHERE,
+    ),
+    DetectorEntry(
+        name=FLY_EVERYWHERE,
+        factory=FlyDetector,
+        config=replace(FlyConfig.preset("paper"), attention=Attention.EVERYWHERE),
+        family=Family.EVENT_FLY,
+        label="event-driven fly, no attention",
+        colour="#8C3D00",
+        marker="P",
+        in_study=False,
+    ),
+    DetectorEntry(
+        name=WIDE_EVERYWHERE,
+        factory=FlyDetector,
+        config=replace(FlyConfig.preset("wide"), attention=Attention.EVERYWHERE),
+        family=Family.EVENT_FLY,
+        label="event-driven fly, wide, no attention",
+        colour="#946800",
+        marker="H",
+        in_study=False,
     ),
     DetectorEntry(
         name=FRAME_FLY,
@@ -162,7 +193,7 @@ _ENTRIES = (
         label="space-time filters",
         colour="#882255",
         marker="<",
-        in_study=False,
+        study_sensors=2,
     ),
     DetectorEntry(
         name=SPIKING,
@@ -173,7 +204,7 @@ _ENTRIES = (
         colour="#332288",
         marker=">",
         gives_velocity=True,
-        in_study=False,
+        study_sensors=1,
     ),
     DetectorEntry(
         name=TIME_DIFFERENCE,
@@ -183,7 +214,7 @@ _ENTRIES = (
         label="time difference encoder",
         colour="#999933",
         marker="X",
-        in_study=False,
+        study_sensors=2,
     ),
 )
 """All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008; Tol, 2021)."""
@@ -195,6 +226,12 @@ DETECTORS: dict[str, DetectorEntry] = {entry.name: entry for entry in _ENTRIES}
 def gives_velocity(method: str) -> bool:
     """Return True if a method's responses are image velocities [px/s]; False for user classes."""
     return method in DETECTORS and DETECTORS[method].gives_velocity
+
+
+def study_sensors(method: str) -> float:
+    """Return the largest number of sensors for which the study runs a method; infinity: all."""
+    most = DETECTORS[method].study_sensors if method in DETECTORS else None
+    return math.inf if most is None else most
 
 
 def is_fly(method: str) -> bool:

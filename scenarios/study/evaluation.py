@@ -17,13 +17,17 @@ from scenarios.pipeline.registry import gives_velocity
 from scenarios.pipeline.running import add_truth
 from scenarios.pipeline.scoring import SETTLING_US, TargetTrack, score_estimates
 from scenarios.recording import SequenceRecorder
-from scenarios.study.results import MethodRun, SequenceResult
+from scenarios.study.results import STILL, MethodRun, SequenceResult
 from scenarios.study.snapshots import SnapshotCollector
 from scenarios.study.timed_detector import CHUNK_US, TimedDetector, join_outputs
 from sim import Crossing, CrossingConfig, Sample
 
 MAPS_PERIOD_US = 50_000
 """Time between the maps of the fly in the recording, its Δt [µs]; more would fill the recording."""
+
+
+SensorKey = tuple[str, int]
+"""Name of a sensor's configuration, and its seed."""
 
 
 class SequenceEvaluation:
@@ -35,21 +39,30 @@ class SequenceEvaluation:
     def __init__(
         self,
         config: CrossingConfig,
-        sensor: SensorConfig,
-        detectors: Mapping[int, Sequence[TimedDetector]],
+        sensors: Mapping[str, SensorConfig],
+        detectors: Mapping[SensorKey, Sequence[TimedDetector]],
         recorder: SequenceRecorder | None = None,
+        *,
+        background: str = STILL,
     ) -> None:
         """Start without samples.
 
         Args:
             config: configuration of the crossing.
-            sensor: configuration of the sensors.
-            detectors: fresh detectors by the seed of their sensor.
-            recorder: records the output of the first seed's sensor and detectors.
+            sensors: configurations of the sensors by name.
+            detectors: fresh detectors by name and seed of their sensor.
+            recorder: records the output of the first sensor and its detectors.
+            background: what moves in the background. If anything does, the samples are those of a
+                section, at whose start the target is in view, so that there is no latency.
         """
         self._config, self._detectors, self._recorder = config, detectors, recorder
-        self._sensors = {seed: EventSensor(sensor, seed=seed) for seed in detectors}
-        self._first_seed = next(iter(detectors))
+        self._background = background
+        self._sensors = {
+            (name, seed): EventSensor(sensors[name], seed=seed) for name, seed in detectors
+        }
+        self._first = next(iter(detectors))
+        self._first_us: int | None = None
+        self._last_us = 0
         self._samples: list[Sample] = []
         self._track, self._snapshots = TargetTrack(), SnapshotCollector()
         self._velocity: list[tuple[int, float]] = []
@@ -61,6 +74,8 @@ class SequenceEvaluation:
         Each sensor sees a whole chunk before the next sensor does, so that its state stays in the
         processor's caches.
         """
+        self._first_us = sample.t_us if self._first_us is None else self._first_us
+        self._last_us = sample.t_us
         add_truth(self._track, sample.truth)
         if not self._velocity or sample.t_us >= self._velocity[-1][0] + CHUNK_US:
             velocity_px_s = float(sample.truth.image_velocity_px_s[0])
@@ -81,21 +96,22 @@ class SequenceEvaluation:
             lighting=self._config.lighting.value,
             omega_rad_s=self._config.omega_rad_s,
             speed_km_h=crossing.trajectory.speed_m_s(0.0) * 3.6,
-            duration_us=crossing.duration_us,
+            duration_us=self._last_us - (self._first_us or 0),
             in_view_us=self._track.in_view_us,
             velocity_t_us=np.array([t for t, _ in self._velocity], np.int64),
             velocity_px_s=np.array([v for _, v in self._velocity], np.float64),
             snapshots=self._snapshots.select(self._track.in_view_us),
             runs=(),
             direction=self._config.direction.value,
+            background=self._background,
         )
         return replace(result, runs=tuple(self._runs(result)))
 
     def _process_chunk(self) -> None:
         until_us = self._samples[-1].t_us + 1
-        for seed, detectors in self._detectors.items():
-            is_first = seed == self._first_seed
-            events, frames = self._sense(self._sensors[seed], is_first=is_first)
+        for key, detectors in self._detectors.items():
+            is_first = key == self._first
+            events, frames = self._sense(self._sensors[key], is_first=is_first)
             for detector in detectors:
                 estimates = detector.process(events, frames, until_us=until_us)
                 if is_first:
@@ -113,7 +129,7 @@ class SequenceEvaluation:
         return join_outputs(outputs)
 
     def _keep(self, detector: TimedDetector, estimates: Sequence[MotionEstimate]) -> None:
-        """Keep estimates of the first seed for snapshots and recording."""
+        """Keep estimates from the first sensor for snapshots and recording."""
         maps = detector.maps
         if estimates and maps is not None:
             last = estimates[-1]
@@ -127,18 +143,22 @@ class SequenceEvaluation:
         for run in (run for detectors in self._detectors.values() for run in detectors):
             errors = velocity_errors(run.method, run.estimates, result)
             rms = None if errors is None else float(np.sqrt(np.mean(errors**2)))
+            scores = score_estimates(
+                run.estimates, result.direction, result.in_view_us, self._track
+            )
+            if self._background != STILL:
+                scores["latency_ms"] = None
             yield MethodRun(
                 method=run.method,
                 seed=run.seed,
                 estimates=tuple(run.estimates),
-                scores=score_estimates(
-                    run.estimates, result.direction, result.in_view_us, self._track
-                ),
+                scores=scores,
                 velocity_error_px_s=rms,
                 cpu_s=run.cpu_s,
                 events=run.events,
                 velocity_bias_px_s=None if errors is None else float(np.mean(errors)),
                 failure=None if run.feed.failure is None else str(run.feed.failure),
+                sensor=run.sensor,
             )
 
 

@@ -102,6 +102,8 @@ def sequence_key(task: SequenceTask) -> str:
         "parameters": task.config().parameters(),
         "methods": [(method, method_digest(method)) for method in task.methods],
         "seeds": task.seeds,
+        "background": task.background,
+        "high_threshold_seeds": task.high_threshold_seeds,
         "contrast_hop_us": task.contrast_hop_us,
         "is_recorded": task.recording is not None,
         "sources": sources_digest(*_SOURCES),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -12,12 +12,13 @@ import cv2
 
 from emulator import SensorConfig
 from scenarios.options.cache import CacheOptions
-from scenarios.pipeline.registry import is_fly
+from scenarios.pipeline.registry import is_fly, study_sensors
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_crossing
 from scenarios.recording import SequenceRecorder
+from scenarios.study.conditions import HIGH_THRESHOLDS, SECTION_US, high_thresholds
 from scenarios.study.evaluation import SequenceEvaluation
-from scenarios.study.results import SequenceResult
+from scenarios.study.results import DEFAULT_SENSOR, STILL, SequenceResult, sequence_name
 from scenarios.study.timed_detector import (
     CONTRAST_HOP_US,
     TimedDetector,
@@ -42,6 +43,9 @@ class SequenceTask:
         cache: cache of rendered luminance.
         contrast_hop_us: time between the windows of contrast maximisation [µs].
         recording: Rerun file for the first seed; None for no recording.
+        background: what moves in the background; then only the middle of the crossing is drawn.
+        high_threshold_seeds: seeds of the sensors with high thresholds, which see the same
+            luminance.
     """
 
     crossing: CrossingConfig
@@ -51,22 +55,39 @@ class SequenceTask:
     cache: CacheOptions = field(default_factory=CacheOptions)
     contrast_hop_us: int = CONTRAST_HOP_US
     recording: Path | None = None
+    background: str = STILL
+    high_threshold_seeds: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
-        """Lighting and angular velocity; see `SequenceResult.name`."""
-        return f"{self.crossing.lighting}_{self.crossing.omega_rad_s:.2f}"
+        """Name of the sequence; see `sequence_name`."""
+        c = self.crossing
+        return sequence_name(c.lighting.value, c.omega_rad_s, self.background)
+
+    @property
+    def sensors(self) -> dict[str, SensorConfig]:
+        """Configurations of the sensors by name."""
+        return {DEFAULT_SENSOR: self.sensor, HIGH_THRESHOLDS: high_thresholds(self.sensor)}
+
+    def all_detectors(self) -> dict[tuple[str, int], list[TimedDetector]]:
+        """Return fresh detectors for every sensor, by its name and seed."""
+        keys = [(DEFAULT_SENSOR, seed) for seed in self.seeds]
+        keys += [(HIGH_THRESHOLDS, seed) for seed in self.high_threshold_seeds]
+        return {(name, seed): self.detectors(seed, name) for name, seed in keys}
 
     def config(self) -> RunConfig:
         """Return the configuration of a single run with the first seed and the first method."""
         return RunConfig(self.crossing, self.sensor, method=self.methods[0], seed=self.seeds[0])
 
-    def detectors(self, seed: int) -> list[TimedDetector]:
-        """Return fresh detectors of all methods, for the sensor of a seed."""
+    def detectors(self, seed: int, sensor: str = DEFAULT_SENSOR) -> list[TimedDetector]:
+        """Return fresh detectors for a sensor: all methods, but slow ones for few seeds."""
         size = {"width": self.sensor.width, "height": self.sensor.height}
         return [
-            make_timed_detector(method, seed, contrast_hop_us=self.contrast_hop_us, **size)
+            make_timed_detector(
+                method, seed, contrast_hop_us=self.contrast_hop_us, sensor=sensor, **size
+            )
             for method in self.methods
+            if self.seeds.index(seed) < study_sensors(method)
         ]
 
 
@@ -86,32 +107,43 @@ def evaluate_crossing(
     cv2.setNumThreads(1)  # the other cores run other sequences
     _compile(task.methods, task.sensor.width, task.sensor.height, task.contrast_hop_us)
     crossing = make_crossing(task.config(), task.cache.open())
-    begun_us = _render_ahead(crossing, progress)
+    times_us = _times_us(task, crossing)
+    begun_us = _render_ahead(crossing, times_us, progress)
     with ExitStack() as stack:
         recorder = None
         if task.recording is not None:
             recorder = stack.enter_context(_recorder(task, task.recording, crossing))
         evaluation = SequenceEvaluation(
             task.crossing,
-            task.sensor,
-            {seed: task.detectors(seed) for seed in task.seeds},
+            task.sensors,
+            task.all_detectors(),
             recorder,
+            background=task.background,
         )
-        for sample in crossing.samples():
+        for sample in crossing.samples(times_us):
             evaluation.add(sample)
             progress(begun_us + sample.t_us, begun_us + crossing.duration_us)
         evaluation.finish()
     return evaluation.result(crossing)
 
 
-def _render_ahead(crossing: Crossing, progress: Progress) -> int:
+def _times_us(task: SequenceTask, crossing: Crossing) -> list[int]:
+    """Return the times of the samples: all, or those of the middle if the background moves."""
+    times_us = crossing.times_us()
+    if task.background == STILL:
+        return times_us
+    middle_us = crossing.duration_us / 2
+    return [t_us for t_us in times_us if abs(t_us - middle_us) <= SECTION_US / 2]
+
+
+def _render_ahead(crossing: Crossing, times_us: Sequence[int], progress: Progress) -> int:
     """Fill the cache before the sensors exist, since renderer and sensors both need much memory.
 
     Returns:
         Time rendered [µs]; 0 if the cache had everything, or there is no cache.
     """
     rendered_us = 0
-    for rendered_us in crossing.render_ahead():
+    for rendered_us in crossing.render_ahead(times_us):
         progress(rendered_us, 2 * crossing.duration_us)
     return rendered_us
 

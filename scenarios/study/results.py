@@ -13,6 +13,8 @@ from detector.estimate import MotionEstimate
 from detector.metrics import Box
 
 F32 = npt.NDArray[np.float32]
+STILL, DEFAULT_SENSOR = "still", "default"
+"""Background and sensor of the paper's sequences; `scenarios.study.conditions` has the others."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,7 @@ class MethodRun:
         velocity_bias_px_s: mean error of the horizontal velocity over the same steps [px/s]; None
             like `velocity_error_px_s`.
         failure: reason why the method failed; None if it did not.
+        sensor: name of the sensor's configuration; see `scenarios.study.conditions`.
     """
 
     method: str
@@ -65,6 +68,7 @@ class MethodRun:
     events: int
     velocity_bias_px_s: float | None = None
     failure: str | None = None
+    sensor: str = DEFAULT_SENSOR
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,7 @@ class SequenceResult:
         snapshots: moments for the figures, of the first seed, in order of time.
         runs: one for each method and seed.
         direction: true direction.
+        background: what moves in the background; see `scenarios.study.conditions`.
     """
 
     lighting: str
@@ -94,16 +99,31 @@ class SequenceResult:
     snapshots: tuple[Snapshot, ...]
     runs: tuple[MethodRun, ...]
     direction: str = "right"
+    background: str = STILL
 
     @property
     def name(self) -> str:
-        """Lighting and angular velocity, such as "day_1.21"; names its rows and its recording."""
-        return f"{self.lighting}_{self.omega_rad_s:.2f}"
+        """Name of its rows and its recording; see `sequence_name`."""
+        return sequence_name(self.lighting, self.omega_rad_s, self.background)
 
     @property
     def image_speed_px_s(self) -> float:
         """Highest image speed of the vehicle, which it has at closest approach [px/s]."""
         return float(abs(self.velocity_px_s).max())
+
+
+def sequence_name(lighting: str, omega_rad_s: float, background: str = STILL) -> str:
+    """Return lighting, angular velocity and moving background, such as "day_1.61_wind"."""
+    ending = "" if background == STILL else f"_{background}"
+    return f"{lighting}_{omega_rad_s:.2f}{ending}"
+
+
+def with_runs_of(sequences: Sequence[SequenceResult], sensor: str) -> list[SequenceResult]:
+    """Return the sequences with the runs of one sensor only."""
+    return [
+        replace(sequence, runs=tuple(run for run in sequence.runs if run.sensor == sensor))
+        for sequence in sequences
+    ]
 
 
 def without_failed(

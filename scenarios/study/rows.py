@@ -18,6 +18,8 @@ _FEWEST_STEPS = 2
 COLUMNS = (
     "sequence",
     "lighting",
+    "background",
+    "sensor",
     "omega_rad_s",
     "speed_km_h",
     "image_speed_px_s",
@@ -48,7 +50,8 @@ COLUMNS = (
 )
 """Columns of the table, in order.
 
-- sequence: lighting and angular velocity, such as "day_1.21"; also names the recording.
+- sequence: see `scenarios.study.results.sequence_name`; also names the recording.
+- background and sensor: see `scenarios.study.conditions`.
 - image_speed_px_s: image speed of the vehicle at closest approach.
 - truth: true direction.
 - verdict: direction that the method finds over the whole crossing.
@@ -76,6 +79,8 @@ def _row(sequence: SequenceResult, run: MethodRun) -> Row:
     values: Row = {
         "sequence": sequence.name,
         "lighting": sequence.lighting,
+        "background": sequence.background,
+        "sensor": run.sensor,
         "omega_rad_s": sequence.omega_rad_s,
         "speed_km_h": sequence.speed_km_h,
         "image_speed_px_s": sequence.image_speed_px_s,

@@ -16,6 +16,7 @@ from flybench.events import EVENT_DTYPE, Events, concatenate_events
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
 from scenarios.pipeline.registry import CONTRAST, DETECTORS
 from scenarios.pipeline.user_detectors import find_method
+from scenarios.study.results import DEFAULT_SENSOR
 
 CHUNK_US = 10_000
 """Duration of the events that a detector gets in one call: one hop of the fly [µs]."""
@@ -41,6 +42,7 @@ class TimedDetector:
     Attributes:
         feed: a fresh detector.
         seed: seed of the sensor.
+        sensor: name of the sensor's configuration.
         estimates: all estimates so far.
         cpu_s: CPU time of all calls [s].
         events: number of events given to the detector.
@@ -48,6 +50,7 @@ class TimedDetector:
 
     feed: DetectorFeed
     seed: int
+    sensor: str = DEFAULT_SENSOR
     estimates: list[MotionEstimate] = field(default_factory=list)
     cpu_s: float = 0.0
     events: int = 0
@@ -90,7 +93,13 @@ class TimedDetector:
 
 
 def make_timed_detector(
-    method: str, seed: int, *, width: int, height: int, contrast_hop_us: int = CONTRAST_HOP_US
+    method: str,
+    seed: int,
+    *,
+    width: int,
+    height: int,
+    contrast_hop_us: int = CONTRAST_HOP_US,
+    sensor: str = DEFAULT_SENSOR,
 ) -> TimedDetector:
     """Make a detector for a sensor of this size.
 
@@ -100,6 +109,7 @@ def make_timed_detector(
         width: columns of the sensor [px].
         height: rows of the sensor [px].
         contrast_hop_us: time between the windows of contrast maximisation [µs].
+        sensor: name of the sensor's configuration.
 
     Raises:
         MethodError: there is no such method.
@@ -110,7 +120,7 @@ def make_timed_detector(
         detector = DETECTORS[method].make_with({"hop_us": contrast_hop_us}, **size)
     else:
         detector = find_method(method).make(**size)
-    return TimedDetector(DetectorFeed(method, detector, **size), seed)
+    return TimedDetector(DetectorFeed(method, detector, **size), seed, sensor)
 
 
 def warm_up(detector: TimedDetector, *, width: int, height: int) -> None:

@@ -6,12 +6,15 @@ from collections.abc import Callable, Sequence
 
 from scenarios.study.claims import direction as direction
 from scenarios.study.claims import response as response
+from scenarios.study.claims.background import background_is_suppressed
 from scenarios.study.claims.claim import Claim
+from scenarios.study.results import DEFAULT_SENSOR, STILL
 from scenarios.study.rows import Row
+from scenarios.study.statistics import select
 
 CLAIMS: tuple[Callable[[Sequence[Row]], Claim], ...] = (
     response.fly_is_real_time,
-    direction.background_is_suppressed,
+    background_is_suppressed,
     direction.region_encloses_vehicle,
     response.fly_is_steadier,
     response.frames_are_weaker,
@@ -29,6 +32,13 @@ CLAIMS: tuple[Callable[[Sequence[Row]], Claim], ...] = (
 )
 
 
-def evaluate_claims(rows: Sequence[Row]) -> list[Claim]:
-    """Test every claim on the table of the study."""
-    return [claim(rows) for claim in CLAIMS]
+def evaluate_claims(rows: Sequence[Row], sensor: str = DEFAULT_SENSOR) -> list[Claim]:
+    """Test every claim on the table of the study.
+
+    Args:
+        rows: the table.
+        sensor: name of the sensor whose rows count.
+    """
+    own = select(rows, sensor=sensor)
+    still = select(own, background=STILL)
+    return [claim(own if claim is background_is_suppressed else still) for claim in CLAIMS]

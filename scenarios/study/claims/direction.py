@@ -126,15 +126,5 @@ def region_encloses_vehicle(rows: Sequence[Row]) -> Claim:
     return Claim(statement, where, verdict_from_share(len(enclosed) / len(known)), evidence)
 
 
-def background_is_suppressed(rows: Sequence[Row]) -> Claim:  # noqa: ARG001 (like the other claims)
-    """Report that the study cannot test the abstract's claim on background motion."""
-    return not_tested(
-        "attention suppresses background motion",
-        "Abstract, Section II",
-        "nothing that moves but the vehicle, like the paper's sequences. Use flybench run with "
-        "distractors, or flybench envelope",
-    )
-
-
 def _speed(sequence: str) -> str:
     return sequence.partition("_")[2]

@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from scenarios.study.figures.background import draw_background
 from scenarios.study.figures.comparison import draw_comparison
 from scenarios.study.figures.condition import draw_condition
 from scenarios.study.figures.truth import draw_truth
-from scenarios.study.results import SequenceResult
+from scenarios.study.results import DEFAULT_SENSOR, STILL, SequenceResult, with_runs_of
 
 Sequences = Sequence[SequenceResult]
 
@@ -25,6 +26,7 @@ class Figure:
         caption: what it shows, and what to look at.
         draw: draws sequences to a path without a suffix.
         lighting: lighting of the sequences that it shows; None: all.
+        is_moving: True if it shows the sequences with a moving background; False: the paper's.
     """
 
     name: str
@@ -33,10 +35,15 @@ class Figure:
     caption: str
     draw: Callable[[Path, Sequences], None]
     lighting: str | None = None
+    is_moving: bool = False
 
     def select(self, sequences: Sequences) -> list[SequenceResult]:
         """Return the sequences that it shows, sorted by lighting and then by velocity."""
-        own = [one for one in sequences if self.lighting in (None, one.lighting)]
+        own = [
+            one
+            for one in sequences
+            if self.lighting in (None, one.lighting) and self.is_moving == (one.background != STILL)
+        ]
         return sorted(own, key=lambda one: (one.lighting, one.omega_rad_s))
 
 
@@ -92,6 +99,18 @@ FIGURES = (
         "core keeps up with the sensor.",
         draw_truth,
     ),
+    Figure(
+        "background",
+        "Moving background",
+        "Not in the paper, whose sequences have a still background",
+        "One column for each background: trees in the wind, a vehicle that drives the other way "
+        "behind the target, a shaking camera, and all three. Only the middle 0.3 s of the crossing "
+        "are drawn, at one velocity. Above: the last APS frame before the middle, and the saliency "
+        "of the event-driven fly with its region of interest. Below: the shares of the settled "
+        "steps, over all seeds. “No attention” is the same fly with the whole field as its region.",
+        draw_background,
+        is_moving=True,
+    ),
 )
 
 
@@ -106,6 +125,7 @@ def draw_figures(folder: Path, sequences: Sequences) -> list[Path]:
         The files, one SVG and one PNG for each figure.
     """
     files = []
+    sequences = with_runs_of(sequences, DEFAULT_SENSOR)
     for figure in FIGURES:
         if shown := figure.select(sequences):
             figure.draw(folder / figure.name, shown)

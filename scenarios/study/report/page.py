@@ -14,7 +14,15 @@ from markupsafe import Markup
 
 from scenarios.output.html import inline_svg, render
 from scenarios.output.versions import versions
+from scenarios.pipeline.registry import study_sensors
+from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim, Verdict
+from scenarios.study.conditions import (
+    HIGH_THRESHOLDS,
+    moving_background_rows,
+    paper_rows,
+    second_sensor_rows,
+)
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
 from scenarios.study.figures.method_style import in_display_order, method_style
 from scenarios.study.report.parameters import (
@@ -23,8 +31,13 @@ from scenarios.study.report.parameters import (
     flatten_parameters,
     method_config,
 )
-from scenarios.study.report.tables import table_by_lighting, table_by_sequence
-from scenarios.study.results import SequenceResult
+from scenarios.study.report.tables import (
+    table_by_background,
+    table_by_lighting,
+    table_by_sensor,
+    table_by_sequence,
+)
+from scenarios.study.results import STILL, SequenceResult
 from scenarios.study.rows import Row
 from scenarios.study.statistics import distinct
 
@@ -70,7 +83,7 @@ def write_report(
     Args:
         path: path of the page.
         sequences: one result or more.
-        rows: the results as a table, see `scenarios.study.rows`.
+        rows: the results of all backgrounds and sensors as a table, see `scenarios.study.rows`.
         claims: verdicts on the paper's claims.
         parameters: parameters of the study by name, as nested mappings, dataclasses or values.
             "command" is the command that repeats the study. "methods" may hold configurations by
@@ -87,25 +100,67 @@ def write_report(
     else:
         svgs = _read_svgs(figures)
     methods = in_display_order(distinct(rows, "method"))
+    paper, moving, second = paper_rows(rows), moving_background_rows(rows), second_sensor_rows(rows)
     text = render(
         "report.html.j2",
         _TEMPLATES,
         title=TITLE,
-        sequences=sequences,
-        lightings=Counter(sequence.lighting for sequence in sequences),
+        number=len(distinct(paper, "sequence")),
+        moving=len(distinct(moving, "sequence")),
+        lightings=Counter(one.lighting for one in sequences if one.background == STILL),
         seeds=len(distinct(rows, "seed")),
         methods=[method_style(method).label for method in methods],
+        slow=list(_slow_methods(methods, len(distinct(rows, "seed")))),
         failed=failed,
         claims=claims,
         verdicts=verdict_groups(claims),
         symbols=_SYMBOLS,
         figures=[(figure, svgs[figure.name]) for figure in FIGURES if figure.name in svgs],
-        tables=(table_by_lighting(rows), table_by_sequence(rows)),
+        tables=(table_by_lighting(paper), table_by_sequence(paper)),
+        background_table=table_by_background(moving) if moving else None,
+        sensor_table=table_by_sensor(paper, second) if second else None,
+        second=SecondSensor(claims, evaluate_claims(rows, HIGH_THRESHOLDS)),
+        second_sensors=len(distinct(second, "seed")),
         details=list(_details(methods, parameters)),
         command=str(parameters.get(COMMAND, "flybench study")),
         programs=[f"{name} {number}" for name, number in versions().items()],
     )
     path.write_text(text, encoding="utf-8")
+
+
+def _slow_methods(methods: Sequence[str], seeds: int) -> Iterator[str]:
+    """Yield a clause for each method that saw fewer sensors than the others."""
+    for method in methods:
+        if (most := study_sensors(method)) < seeds:
+            yield f"{method_style(method).label}: {most:.0f}"
+
+
+@dataclass(frozen=True)
+class SecondSensor:
+    """Verdicts on the claims with the sensor of high thresholds, beside those of the default.
+
+    Attributes:
+        claims: claims with the default sensor.
+        others: the same claims with high thresholds.
+    """
+
+    claims: Sequence[Claim]
+    others: Sequence[Claim]
+
+    @property
+    def tested(self) -> int:
+        """Number of claims that both sensors test."""
+        return len(list(self._pairs()))
+
+    @property
+    def changed(self) -> list[tuple[Claim, Claim]]:
+        """Claims with another verdict, each with that of high thresholds."""
+        return [(one, other) for one, other in self._pairs() if one.holds != other.holds]
+
+    def _pairs(self) -> Iterator[tuple[Claim, Claim]]:
+        for one, other in zip(self.claims, self.others, strict=False):
+            if "not tested" not in (one.holds, other.holds):
+                yield one, other
 
 
 def verdict_groups(claims: Sequence[Claim]) -> list[tuple[str, str]]:

@@ -21,8 +21,9 @@ class _Column:
     scale: float = 1.0
 
 
+_CORRECT = _Column("accuracy_after_100ms", "correct steps after 100 ms [%]", 100.0)
 _COLUMNS = (
-    _Column("accuracy_after_100ms", "correct steps after 100 ms [%]", 100.0),
+    _CORRECT,
     _Column("opposite_after_100ms", "opposite [%]", 100.0),
     _Column("sideways_after_100ms", "sideways [%]", 100.0),
     _Column("none_after_100ms", "no decision [%]", 100.0),
@@ -78,6 +79,52 @@ def table_by_lighting(rows: Sequence[Row]) -> Table:
 def table_by_sequence(rows: Sequence[Row]) -> Table:
     """Return a table with a row for each sequence and method."""
     return _table(rows, "sequence", lambda name: f"{name.replace('_', ' ')} rad/s")
+
+
+def table_by_background(rows: Sequence[Row]) -> Table:
+    """Return a table of correct steps, with a row for each lighting and method.
+
+    Args:
+        rows: rows of the sequences with a moving background, which are the columns.
+    """
+    backgrounds = distinct(rows, "background")
+    headings = ["method", *(f"{name}: correct steps [%]" for name in backgrounds)]
+    lines = [
+        TableRow(
+            method_style(method).label,
+            lighting,
+            [_cell(select(own, background=name), _CORRECT) for name in backgrounds],
+        )
+        for lighting in distinct(rows, "lighting")
+        for method in in_display_order(distinct(rows, "method"))
+        if (own := select(rows, method=method, lighting=lighting))
+    ]
+    return Table(headings, lines)
+
+
+def table_by_sensor(rows: Sequence[Row], other: Sequence[Row]) -> Table:
+    """Return a table that compares two sensors, with a row for each method.
+
+    Args:
+        rows: rows of the paper's sequences, seen by the default sensor.
+        other: the same sequences, seen by the other sensor.
+    """
+    lightings = distinct(rows, "lighting")
+    parts = [(own, lighting) for lighting in lightings for own in (rows, other)]
+    names = ("default", "high thresholds")
+    headings = [
+        "method",
+        *(f"{lighting}, {name}: correct steps [%]" for lighting in lightings for name in names),
+    ]
+    lines = [
+        TableRow(
+            method_style(method).label,
+            "",
+            [_cell(select(own, method=method, lighting=at), _CORRECT) for own, at in parts],
+        )
+        for method in in_display_order(distinct(other, "method"))
+    ]
+    return Table(headings, lines)
 
 
 def _table(rows: Sequence[Row], column: str, name_of: Callable[[str], str]) -> Table:

@@ -21,6 +21,8 @@ TINY = Study(
     step_px=8.0,
     supersample=1,
     jobs=1,
+    moving_backgrounds=False,
+    second_sensor=False,
 )
 
 
@@ -111,5 +113,6 @@ def test_the_report_has_the_command_that_repeats_the_study() -> None:
     assert Study()._command() == "flybench study"
     assert replace(TINY, recordings=False)._command() == (
         "flybench study --lighting day --omegas 2.42 --methods fly frame-fly "
-        "contrast-maximisation --seeds 2 --no-recordings --step-px 8.0 --supersample 1"
+        "contrast-maximisation --seeds 2 --no-recordings --no-moving-backgrounds "
+        "--no-second-sensor --step-px 8.0 --supersample 1"
     )

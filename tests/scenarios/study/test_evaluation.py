@@ -10,8 +10,9 @@ from detector.estimate import MotionEstimate
 from emulator import EventSensor, SensorConfig
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
+from scenarios.study.conditions import HIGH_THRESHOLDS, high_thresholds
 from scenarios.study.evaluation import SequenceEvaluation, velocity_errors
-from scenarios.study.results import SequenceResult
+from scenarios.study.results import DEFAULT_SENSOR, SequenceResult
 from scenarios.study.timed_detector import make_timed_detector
 from sim import CrossingConfig
 from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
@@ -24,10 +25,13 @@ SIZE = {"width": SENSOR.width, "height": SENSOR.height}
 @pytest.fixture(scope="module")
 def result() -> SequenceResult:
     detectors = {
-        seed: [make_timed_detector(method, seed, **SIZE) for method in (FLY, FRAME_FLY)]
-        for seed in (3, 8)
+        (name, seed): [
+            make_timed_detector(method, seed, sensor=name, **SIZE) for method in (FLY, FRAME_FLY)
+        ]
+        for name, seed in ((DEFAULT_SENSOR, 3), (DEFAULT_SENSOR, 8), (HIGH_THRESHOLDS, 3))
     }
-    evaluation = SequenceEvaluation(CrossingConfig(), SENSOR, detectors)
+    sensors = {DEFAULT_SENSOR: SENSOR, HIGH_THRESHOLDS: high_thresholds(SENSOR)}
+    evaluation = SequenceEvaluation(CrossingConfig(), sensors, detectors)
     for sample in bar_samples():
         evaluation.add(sample)
     evaluation.finish()
@@ -35,13 +39,18 @@ def result() -> SequenceResult:
 
 
 def test_every_method_and_seed_has_a_run(result: SequenceResult) -> None:
-    runs = [(run.seed, run.method) for run in result.runs]
-    assert runs == [(3, FLY), (3, FRAME_FLY), (8, FLY), (8, FRAME_FLY)]
+    runs = [(run.sensor, run.seed, run.method) for run in result.runs]
+    assert runs == [
+        (name, seed, method)
+        for name, seed in ((DEFAULT_SENSOR, 3), (DEFAULT_SENSOR, 8), (HIGH_THRESHOLDS, 3))
+        for method in (FLY, FRAME_FLY)
+    ]
     assert (result.name, result.direction) == ("day_1.61", "right")
     assert result.in_view_us == (0, 99 * 1_500)
     assert all(run.cpu_s > 0.0 for run in result.runs)
     assert result.runs[0].events == result.runs[1].events > 0
     assert result.runs[0].events != result.runs[2].events  # another sensor
+    assert 0 < result.runs[4].events < 0.7 * result.runs[0].events  # fewer events an edge
     assert {shot.aps.shape for shot in result.snapshots} == {(260, 346)}
 
 

@@ -4,23 +4,34 @@ from typing import Any
 
 import pytest
 
-from scenarios.pipeline.registry import CONTRAST, FLOORLESS_FRAME_FLY, FLY, FRAME_FLY
+from scenarios.pipeline.registry import (
+    CONTRAST,
+    FLOORLESS_FRAME_FLY,
+    FLY,
+    FLY_EVERYWHERE,
+    FRAME_FLY,
+)
 from scenarios.study.claims import direction as direction
 from scenarios.study.claims import response as response
 from scenarios.study.claims.all_claims import CLAIMS, evaluate_claims
+from scenarios.study.claims.background import attention_gain, background_is_suppressed
 from scenarios.study.claims.claim import DAY, NIGHT
+from scenarios.study.conditions import HIGH_THRESHOLDS, moving_background_rows, paper_rows
+from scenarios.study.results import DEFAULT_SENSOR, STILL, sequence_name
 from scenarios.study.rows import Row
 
 SPEEDS = (1.0, 1.5, 2.0)
 
 
-def make_row(lighting: str, omega: float, method: str, seed: int) -> Row:
+def make_row(lighting: str, omega: float, method: str, seed: int, background: str = STILL) -> Row:
     """Make a row with which every claim holds."""
     frames = method in (FRAME_FLY, FLOORLESS_FRAME_FLY)
     blind = frames and lighting == NIGHT
     return {
-        "sequence": f"{lighting}_{omega:.2f}",
+        "sequence": sequence_name(lighting, omega, background),
         "lighting": lighting,
+        "background": background,
+        "sensor": DEFAULT_SENSOR,
         "omega_rad_s": omega,
         "image_speed_px_s": 300.0 * omega,
         "duration_s": 1.0,
@@ -53,18 +64,25 @@ def make_table(*, where: dict[str, Any] | None = None, **changes: Any) -> list[R
         for method in (FLY, FRAME_FLY, FLOORLESS_FRAME_FLY, CONTRAST)
         for seed in (0, 1)
     ]
+    rows += [
+        make_row(lighting, omega, method, seed, background)
+        | {"accuracy_after_100ms": right - 0.01 * seed}
+        for lighting in (DAY, NIGHT)
+        for omega in SPEEDS[:1]
+        for method, right in ((FLY, 0.9), (FLY_EVERYWHERE, 0.6))
+        for background in ("wind", "shake")
+        for seed in (0, 1)
+    ]
     for row in rows:
         if all(row[name] == value for name, value in (where or {}).items()):
             row.update(changes)
     return rows
 
 
-def test_all_claims_but_one_hold_for_the_papers_numbers() -> None:
+def test_all_sixteen_claims_hold_for_the_papers_numbers() -> None:
     found = evaluate_claims(make_table())
-    assert len(found) == len(CLAIMS)
-    untested = [claim for claim in found if claim.holds != "holds"]
-    assert [claim.holds for claim in untested] == ["not tested"]
-    assert "background" in untested[0].statement
+    assert len(found) == len(CLAIMS) == 16
+    assert {claim.holds for claim in found} == {"holds"}
     for claim in found:
         assert claim.evidence.endswith(".")
         assert claim.where
@@ -179,8 +197,47 @@ FRAMES = {"method": FLOORLESS_FRAME_FLY}
 def test_a_claim_fails_if_the_numbers_contradict_it(
     claim: Any, where: dict[str, Any], changed: dict[str, Any], holds: str
 ) -> None:
-    assert claim(make_table()).holds == "holds"
-    assert claim(make_table(where=where, **changed)).holds == holds
+    assert claim(paper_rows(make_table())).holds == "holds"
+    assert claim(paper_rows(make_table(where=where, **changed))).holds == holds
+
+
+@pytest.mark.parametrize(
+    ("where", "right", "holds"),
+    [
+        ({"method": FLY_EVERYWHERE}, 0.9, "does not hold"),
+        ({"method": FLY}, 0.5, "does not hold"),
+        ({"method": FLY, "background": "wind"}, 0.3, "holds in part"),
+    ],
+)
+def test_the_claim_on_moving_backgrounds_compares_with_and_without_attention(
+    where: dict[str, Any], right: float, holds: str
+) -> None:
+    assert background_is_suppressed(make_table()).holds == "holds"
+    rows = make_table()
+    for row in rows:
+        if row["background"] != STILL and all(row[name] == value for name, value in where.items()):
+            row["accuracy_after_100ms"] = right - 0.01 * row["seed"]
+    assert background_is_suppressed(rows).holds == holds
+
+
+def test_the_gain_of_attention_is_paired_by_sequence_and_seed() -> None:
+    gain = attention_gain(moving_background_rows(make_table()), FLY)
+    assert gain is not None
+    assert (gain.mean, gain.low, gain.number) == pytest.approx((0.3, 0.3, 2))
+    claim = background_is_suppressed(make_table())
+    assert "a difference of 30 percentage points (30 to 30)" in claim.evidence
+    assert "in 4 of 4 sequences (day 1.00 wind," in claim.evidence
+
+
+def test_a_sensor_is_judged_by_its_own_rows() -> None:
+    other = [row | {"sensor": HIGH_THRESHOLDS, "verdict": "left"} for row in make_table()]
+    rows = make_table() + [row for row in other if row["background"] == STILL]
+    assert {claim.holds for claim in evaluate_claims(rows)} == {"holds"}
+    second = {claim.statement: claim.holds for claim in evaluate_claims(rows, HIGH_THRESHOLDS)}
+    assert second["the event-driven fly finds the correct direction in every sequence"] == (
+        "does not hold"
+    )
+    assert second["attention suppresses background motion"] == "not tested"
 
 
 @pytest.mark.parametrize("claim", CLAIMS)
@@ -190,19 +247,19 @@ def test_without_the_papers_methods_no_claim_is_tested(claim: Any) -> None:
 
 
 def test_the_evidence_gives_the_numbers() -> None:
-    claim = response.fly_is_faster(make_table())
+    claim = response.fly_is_faster(paper_rows(make_table()))
     assert "takes the fly 1 ms (1 to 1), and contrast maximisation 50 ms (50 to 50)" in (
         claim.evidence
     )
     claim = direction.fly_finds_direction(
-        make_table(where={"method": FLY, "seed": 1}, verdict="none")
+        paper_rows(make_table(where={"method": FLY, "seed": 1}, verdict="none"))
     )
     assert "correct in 6 of 12 runs" in claim.evidence
 
 
 def test_the_model_without_our_floor_is_used_if_it_ran() -> None:
-    rows = [row for row in make_table() if row["method"] != FLOORLESS_FRAME_FLY]
+    rows = [row for row in paper_rows(make_table()) if row["method"] != FLOORLESS_FRAME_FLY]
     claim = direction.frame_fly_fails_at_night(rows)
     assert claim.holds == "holds"
     assert "With our floor" not in claim.evidence
-    assert "With our floor" in direction.frame_fly_fails_at_night(make_table()).evidence
+    assert "With our floor" in direction.frame_fly_fails_at_night(paper_rows(make_table())).evidence

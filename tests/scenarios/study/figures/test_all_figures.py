@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 import pytest
 
 from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
+from scenarios.study.conditions import HIGH_THRESHOLDS
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
 from scenarios.study.figures.comparison import draw_comparison
 from scenarios.study.figures.condition import draw_condition
@@ -15,7 +16,7 @@ from tests.scenarios.study.synthetic_results import make_run, make_sequence, mak
 ALL = [
     make_sequence(lighting, omega)
     for lighting, omega in (("night", 1.42), ("day", 1.21), ("day", 1.61))
-]
+] + [make_sequence("day", 1.61, background=name) for name in ("wind", "shake")]
 DRAW = (draw_condition, draw_comparison, draw_truth)
 
 
@@ -102,3 +103,17 @@ def test_a_sequence_without_snapshots_or_estimates_is_drawn(tmp_path: Path) -> N
     )
     assert "APS frame" in condition
     assert "my.own:Detector" in comparison.replace("\n", "")
+
+
+def test_moving_backgrounds_are_in_their_own_figure_only(folder: Path) -> None:
+    text = text_of(folder / "background.svg")
+    for words in ("wind, day", "shake, day", "event-driven fly", "right", "wrong", "none"):
+        assert words in text
+    assert "shake" not in text_of(folder / "truth.svg") + text_of(folder / "comparison.svg")
+
+
+def test_runs_of_the_second_sensor_are_in_no_figure(folder: Path, tmp_path: Path) -> None:
+    extra = [replace(make_run(FLY, 9, hs=-0.5), sensor=HIGH_THRESHOLDS)]
+    sequences = [replace(one, runs=(*one.runs, *extra)) for one in ALL]
+    draw_figures(tmp_path, sequences)
+    assert (tmp_path / "truth.svg").read_bytes() == (folder / "truth.svg").read_bytes()

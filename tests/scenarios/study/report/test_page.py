@@ -6,13 +6,15 @@ from pathlib import Path
 import pytest
 from markupsafe import escape
 
-from scenarios.pipeline.registry import CONTRAST, FLY, FRAME_FLY
+from scenarios.pipeline.registry import CONTRAST, FLY, FLY_EVERYWHERE, FRAME_FLY, SPIKING
+from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
+from scenarios.study.conditions import HIGH_THRESHOLDS
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
-from scenarios.study.report.page import verdict_groups, write_report
+from scenarios.study.report.page import SecondSensor, verdict_groups, write_report
 from scenarios.study.rows import study_rows
 from sim import CrossingConfig
-from tests.scenarios.study.synthetic_results import make_sequence
+from tests.scenarios.study.synthetic_results import make_run, make_sequence
 
 OWN = "my.<own>:Detector"
 CLAIMS = [
@@ -104,7 +106,7 @@ def test_ids_are_unique_and_every_reference_has_a_target(text: str) -> None:
 
 
 def test_the_page_has_claims_then_figures_then_numbers(text: str) -> None:
-    assert text.count("<svg") == len(FIGURES)
+    assert text.count("<svg") == len([figure for figure in FIGURES if not figure.is_moving])
     order = [text.index(f'id="{name}"') for name in ("claims", "figures", "numbers", "parameters")]
     assert text.index('class="lead"') < order[0]
     assert order == sorted(order)
@@ -157,3 +159,39 @@ def test_claims_are_grouped_by_verdict() -> None:
     twice = [replace(CLAIMS[0], statement="a"), replace(CLAIMS[0], statement="b")]
     assert verdict_groups(twice) == [("2 hold", "a; b")]
     assert verdict_groups([]) == []
+
+
+def test_moving_backgrounds_and_the_second_sensor_have_a_table_each(tmp_path: Path) -> None:
+    second = [
+        replace(make_run(method, seed, hs=-0.5), sensor=HIGH_THRESHOLDS)
+        for method in (FLY, CONTRAST)
+        for seed in (0, 1)
+    ]
+    paper = make_sequence("day", methods=(FLY, CONTRAST, SPIKING))
+    sequences = [
+        replace(paper, runs=(*paper.runs, *second)),
+        make_sequence("day", 1.61, background="wind", methods=(FLY, FLY_EVERYWHERE)),
+    ]
+    path = tmp_path / "report.html"
+    rows = study_rows(sequences)
+    claims = evaluate_claims(rows)
+    write_report(path, sequences=sequences, rows=rows, claims=claims, parameters={})
+    text = " ".join(path.read_text(encoding="utf-8").split())
+    page = Page(text)
+    assert {"background", "sensor"} < set(page.ids)
+    assert "1 crossings (day: 1)" in text
+    assert "and 1 with a moving background" in text
+    assert "wind: correct steps [%]" in text
+    assert "event-driven fly, no attention" in text
+    assert "seen by 2 sensors with thresholds of 0.4" in text
+    assert "day, high thresholds: correct steps [%]" in text
+    changed = "the event-driven fly finds the correct direction in every sequence (holds → does"
+    assert changed in text
+    assert "Number of sensors of the slow ones: spiking delays: 1." in text
+
+
+def test_claims_that_a_sensor_cannot_test_are_not_compared() -> None:
+    one, other = CLAIMS[0], replace(CLAIMS[0], holds="does not hold")
+    untested = CLAIMS[3]
+    pair = SecondSensor([one, one, untested], [one, other, other])
+    assert (pair.tested, pair.changed) == (2, [(one, other)])
