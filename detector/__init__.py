@@ -1,12 +1,14 @@
 """Motion detectors: they take events (and frames) and return the direction of motion.
 
-`FlyDetector` is the fly of the paper. `FrameFly`, `ContrastMaximisation`, `PlaneFit`,
-`SpaceTimeFilters`, `SpikingDelays` and `TimeDifference` are the methods that it is compared with.
+`FlyDetector` is the fly of the paper. `FrameFly`, `ContrastMaximisation`, `EdgeInformedContrast`,
+`PlaneFit`, `SpaceTimeFilters`, `SpikingDelays` and `TimeDifference` are the methods that it is
+compared with.
 All implement `Detector`: they take a stream in chunks of any size and return a list of
 `MotionEstimate`.
 """
 
 from detector.contrast_maximisation.detector import ContrastConfig, ContrastMaximisation
+from detector.contrast_maximisation.edge_informed import EdgeInformedConfig, EdgeInformedContrast
 from detector.errors import (
     DetectorConfigError,
     DetectorError,
@@ -32,6 +34,8 @@ __all__ = [
     "DetectorConfigError",
     "DetectorError",
     "Direction",
+    "EdgeInformedConfig",
+    "EdgeInformedContrast",
     "EventOrderError",
     "FlyConfig",
     "FlyDetector",

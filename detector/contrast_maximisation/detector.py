@@ -164,17 +164,15 @@ def maximise_contrast(
     if start is not None:
         glance = thinned(_WARM_SCAN_EVENTS)
         velocity = search_warm(warped.rewards, glance.rewards, start, **limits)
-        found = _with_prominence(warped, velocity, is_cold=False)
+        found = with_prominence(warped, velocity, is_cold=False)
         if found.prominence >= c.prominence_floor and math.hypot(*velocity) <= c.limit_px_s:
             return found
     survey = thinned(_COLD_SCAN_EVENTS)
     velocity = search_cold(warped.rewards, cold_scan_at=survey.rewards, **limits)
-    return _with_prominence(warped, velocity, is_cold=True)
+    return with_prominence(warped, velocity, is_cold=True)
 
 
-def _with_prominence(
-    warped: WarpedEvents, velocity: Velocity, *, is_cold: bool
-) -> ContrastEstimate:
+def with_prominence(warped: WarpedEvents, velocity: Velocity, *, is_cold: bool) -> ContrastEstimate:
     """Return the estimate for a velocity, with its reward and prominence."""
     reward = float(warped.rewards(np.array([velocity]), 1.0)[0])
     by_chance = warped.rewards_by_chance(velocity, 1.0, _random_orders(warped.number))
@@ -241,15 +239,7 @@ class ContrastMaximisation(WindowedDetector):
     def _estimate(self, end_us: int, events: Events) -> MotionEstimate:
         c = self.config
         self._window.append(events)
-        found = maximise_contrast(
-            concatenate_events(self._window),
-            from_us=end_us - c.window_us,
-            to_us=end_us,
-            width=self._width,
-            height=self._height,
-            config=c,
-            start=self._previous,
-        )
+        found = self._maximise(concatenate_events(self._window), end_us)
         if found is None or found.prominence < c.prominence_floor:
             self._previous = None
         elif c.warm_start:
@@ -261,4 +251,16 @@ class ContrastMaximisation(WindowedDetector):
             ratio=found.prominence if found is not None else 0.0,
             ratio_floor=c.prominence_floor,
             image_centre_px=(self._width / 2, self._height / 2),
+        )
+
+    def _maximise(self, events: Events, end_us: int) -> ContrastEstimate | None:
+        """Return the velocity of highest reward in the window that ends at a time [µs]."""
+        return maximise_contrast(
+            events,
+            from_us=end_us - self.config.window_us,
+            to_us=end_us,
+            width=self._width,
+            height=self._height,
+            config=self.config,
+            start=self._previous,
         )

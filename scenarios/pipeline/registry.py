@@ -15,6 +15,8 @@ from detector import (
     ContrastConfig,
     ContrastMaximisation,
     Detector,
+    EdgeInformedConfig,
+    EdgeInformedContrast,
     FlyConfig,
     FlyDetector,
     FrameFly,
@@ -33,6 +35,7 @@ from detector.fly.model_variants import Attention
 FLY, WIDE = "fly", "wide"
 FLY_EVERYWHERE, WIDE_EVERYWHERE = "fly-no-attention", "wide-no-attention"
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
+EDGE_INFORMED = "edge-informed-contrast"
 SPACE_TIME, SPIKING, TIME_DIFFERENCE = "space-time-filters", "spiking-delays", "time-difference"
 COARSE_FRAME_FLY, FLOORLESS_FRAME_FLY = "frame-fly-coarse", "frame-fly-no-floor"
 
@@ -176,6 +179,19 @@ _ENTRIES = (
         gives_velocity=True,
     ),
     DetectorEntry(
+        name=EDGE_INFORMED,
+        factory=EdgeInformedContrast,
+        config=EdgeInformedConfig(),
+        family=Family.VELOCITY,
+        label="edge-informed contrast",
+        colour="#44AA99",
+        marker="d",
+        gives_velocity=True,
+        looks_at_frames=True,
+        in_study=False,
+        study_sensors=1,
+    ),
+    DetectorEntry(
         name=PLANE_FIT,
         factory=PlaneFit,
         config=PlaneFitConfig(),
@@ -193,7 +209,7 @@ _ENTRIES = (
         label="space-time filters",
         colour="#882255",
         marker="<",
-        study_sensors=2,
+        study_sensors=1,
     ),
     DetectorEntry(
         name=SPIKING,
@@ -204,6 +220,7 @@ _ENTRIES = (
         colour="#332288",
         marker=">",
         gives_velocity=True,
+        in_study=False,
         study_sensors=1,
     ),
     DetectorEntry(
@@ -214,7 +231,7 @@ _ENTRIES = (
         label="time difference encoder",
         colour="#999933",
         marker="X",
-        study_sensors=2,
+        study_sensors=1,
     ),
 )
 """All entries. Colour-blind readers can tell the colours apart (Okabe and Ito, 2008; Tol, 2021)."""

@@ -14,7 +14,7 @@ from detector.fly.detector import FlyMaps
 from emulator import ApsFrame, SensorOutput
 from flybench.events import EVENT_DTYPE, Events, concatenate_events
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
-from scenarios.pipeline.registry import CONTRAST, DETECTORS
+from scenarios.pipeline.registry import CONTRAST, DETECTORS, EDGE_INFORMED
 from scenarios.pipeline.user_detectors import find_method
 from scenarios.study.results import DEFAULT_SENSOR
 
@@ -116,7 +116,7 @@ def make_timed_detector(
         DetectorConfigError: the hop does not divide the window of contrast maximisation.
     """
     size = {"width": width, "height": height}
-    if method == CONTRAST:
+    if method in (CONTRAST, EDGE_INFORMED):
         detector = DETECTORS[method].make_with({"hop_us": contrast_hop_us}, **size)
     else:
         detector = find_method(method).make(**size)

@@ -18,6 +18,7 @@ from detector.contrast_maximisation.detector import (
     Reward,
     maximise_contrast,
 )
+from detector.contrast_maximisation.edge_informed import EdgeInformedConfig, EdgeInformedContrast
 from detector.estimate import Detector
 from detector.fly.detector import FlyDetector
 from detector.frame_fly.detector import FrameFly, FrameFlyConfig
@@ -100,6 +101,24 @@ def test_detectors(benchmark: BenchmarkFixture, make: type[Detector]) -> None:
         detector = make()
         detector.push(events)
         detector.advance(until_us)
+
+    run()
+    benchmark(run)
+
+
+@pytest.mark.benchmark(group="edge-informed, 100 ms with frames at 40 Hz [CPU]", timer=process_time)
+def test_edge_informed(benchmark: BenchmarkFixture) -> None:
+    """Edge-informed contrast maximisation with windows of 50 ms, and frames of random blocks."""
+    events, _ = passing(500, Direction.RIGHT, noise_hz=1.0)
+    events = events[events["t"] < 100_000]
+    blocks = np.random.default_rng(0).integers(0, 1024, (13, 17)).astype(np.uint16)
+    frame = np.kron(blocks, np.ones((20, 21), np.uint16))[:260, :346].copy()
+
+    def run() -> None:
+        detector = EdgeInformedContrast(EdgeInformedConfig(hop_us=50_000))
+        for t_us in range(25_000, 100_001, 25_000):
+            detector.push(events[(events["t"] >= t_us - 25_000) & (events["t"] < t_us)])
+            detector.push_frame(t_us, frame)
 
     run()
     benchmark(run)

@@ -2,6 +2,7 @@
 evaluates a rendered one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 from tests.scenarios.study.synthetic_results import make_sequence
 
 SENSOR = SensorConfig()
-SIZE = {"width": SENSOR.width, "height": SENSOR.height}
+SIZE: Any = {"width": SENSOR.width, "height": SENSOR.height}
 
 
 @pytest.fixture(scope="module")

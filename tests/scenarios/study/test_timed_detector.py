@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from scenarios.pipeline.registry import (
 )
 from scenarios.study.timed_detector import join_outputs, make_timed_detector, warm_up
 
-SIZE = {"width": 60, "height": 48}
+SIZE: Any = {"width": 60, "height": 48}
 
 
 def test_sensor_outputs_are_joined_in_order() -> None:
