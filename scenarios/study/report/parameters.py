@@ -47,8 +47,12 @@ def flatten_parameters(value: Any, prefix: str = "") -> Iterator[Parameter]:
 
 
 def attribute_notes(kind: type) -> dict[str, str]:
-    """Return the descriptions of the attributes in a class's docstring, by name."""
-    return {item.arg_name: _one_line(item.description) for item in _docstring(kind).params}
+    """Return the descriptions of the attributes in the docstrings of a class and its bases."""
+    return {
+        item.arg_name: _one_line(item.description)
+        for base in reversed(kind.__mro__)
+        for item in _docstring(base).params
+    }
 
 
 def class_description(kind: type) -> str:

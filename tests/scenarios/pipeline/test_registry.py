@@ -1,11 +1,15 @@
 """The built-in detectors."""
 
+from dataclasses import replace
+
 import pytest
 
 from detector.contrast_maximisation.detector import ContrastMaximisation
+from detector.contrast_maximisation.edge_informed import EdgeInformedContrast
 from detector.estimate import FrameDetector
 from detector.fly.config import FlyConfig
 from detector.fly.detector import FlyDetector
+from detector.fly.model_variants import Attention
 from detector.frame_fly.detector import FrameFly
 from detector.plane_fit.detector import PlaneFit
 from detector.space_time_filters.detector import SpaceTimeFilters
@@ -27,6 +31,7 @@ def test_the_fly_has_a_name_for_each_preset(name: str, preset: str) -> None:
         ("frame-fly", FrameFly),
         ("frame-fly-coarse", FrameFly),
         ("contrast-maximisation", ContrastMaximisation),
+        ("edge-informed-contrast", EdgeInformedContrast),
         ("plane-fit", PlaneFit),
         ("space-time-filters", SpaceTimeFilters),
         ("spiking-delays", SpikingDelays),
@@ -42,3 +47,16 @@ def test_every_entry_describes_its_detector() -> None:
         detector = entry.make(width=346, height=260)
         assert detector.config == entry.config  # type: ignore[attr-defined]
         assert isinstance(detector, FrameDetector) == entry.looks_at_frames
+
+
+def test_the_entries_without_attention_differ_in_nothing_else() -> None:
+    pairs = {
+        entry.name: DETECTORS[entry.without_attention]
+        for entry in DETECTORS.values()
+        if entry.without_attention is not None
+    }
+    assert set(pairs) == {"fly", "wide"}
+    for name, other in pairs.items():
+        expected = replace(DETECTORS[name].config, attention=Attention.EVERYWHERE)
+        assert other.config == expected
+        assert not other.in_study
