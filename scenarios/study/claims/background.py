@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import fmean
 
-from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE
+from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, WIDE
 from scenarios.study.claims.claim import Claim, Verdict, format_interval, not_tested
 from scenarios.study.conditions import moving_background_rows
 from scenarios.study.rows import Row
@@ -40,10 +40,14 @@ def background_is_suppressed(rows: Sequence[Row]) -> Claim:
     )
     evidence = (
         f"Of the settled steps in front of a moving background, {with_it} are correct with "
-        f"attention and {without} without, a difference of {_points(overall)}. Attention makes "
+        f"attention, and {without} without, a difference of {_points(overall)}. Attention makes "
         f"more steps correct in {len(better)} of {len(gains)} sequences{_names(better)}, and fewer "
         f"in {len(worse)}{_names(worse)}."
     )
+    if all(row[CORRECT] == 1.0 for row in select(own, method=FLY_EVERYWHERE)):
+        evidence += " Every step is correct without attention, so that there is nothing to gain."
+    if (wide := attention_gain(own, WIDE)) is not None:
+        evidence += f" For the fly with several delays the difference is {_points(wide)}."
     return Claim(statement, where, _verdict(overall, better, worse), evidence)
 
 

@@ -83,11 +83,12 @@ def _draw_bars(axes: Axes, rows: Sequence[Row], methods: Sequence[str]) -> None:
     """Draw the shares of right, wrong and missing directions of each method, over the seeds."""
     for at, method in enumerate(methods):
         own = select(rows, method=method)
-        right, none = (
-            100 * fmean(known) if (known := _known(own, name)) else 0.0
-            for name in ("accuracy_after_100ms", "none_after_100ms")
-        )
-        wrong = max(100.0 - right - none, 0.0) if own else 0.0
+        found = [_known(own, name) for name in ("accuracy_after_100ms", "none_after_100ms")]
+        if not all(found):  # a frame rate so low that there is no settled step
+            axes.text(1, at, "no step", fontsize=7, va="center", color="#666666")
+            continue
+        right, none = (100 * fmean(known) for known in found)
+        wrong = max(100.0 - right - none, 0.0)
         axes.barh(at, right, 0.8, color=method_style(method).colour)
         axes.barh(at, wrong, 0.8, left=right, color=WRONG)
         axes.barh(at, none, 0.8, left=right + wrong, color=NO_DECISION)

@@ -33,7 +33,8 @@ from scenarios.study.results import MethodRun, SequenceResult
 Sequences = Sequence[SequenceResult]
 Value = Callable[[SequenceResult, MethodRun], float | None]
 
-SIZE_IN = (7.8, 7.0)
+WIDTH_IN, _TOP_IN, _METHOD_IN = 7.8, 3.0, 0.42
+"""Width of the figure, and heights of the upper panels and of a method in the lower ones [inch]."""
 _LUMA, _DARK_BELOW = (0.2126, 0.7152, 0.0722), 0.5
 """Weights for the brightness of a colour (ITU-R BT.709), and the brightness below which text on it
 is white (assumed)."""
@@ -46,8 +47,10 @@ def draw_comparison(path: Path, sequences: Sequences) -> None:
         path: path of the figure, without a suffix.
         sequences: one result or more, by day, at night or both.
     """
-    with figure_file(path, SIZE_IN) as figure:
-        (top_left, top_right), (low_left, low_right) = figure.subplots(2, 2)
+    low_in = 0.5 + _METHOD_IN * max(len(methods_of(sequences)), 5)
+    with figure_file(path, (WIDTH_IN, 1.0 + _TOP_IN + low_in)) as figure:
+        grid = figure.subplots(2, 2, height_ratios=(_TOP_IN, low_in))
+        (top_left, top_right), (low_left, low_right) = grid
         _draw_velocities(top_left, sequences)
         _draw_grms(top_right, sequences)
         _draw_directions(low_left, sequences)

@@ -227,6 +227,12 @@ def test_the_gain_of_attention_is_paired_by_sequence_and_seed() -> None:
     claim = background_is_suppressed(make_table())
     assert "a difference of 30 percentage points (30 to 30)" in claim.evidence
     assert "in 4 of 4 sequences (day 1.00 wind," in claim.evidence
+    assert "nothing to gain" not in claim.evidence
+    sure = make_table()
+    for row in sure:
+        if row["background"] != STILL:
+            row["accuracy_after_100ms"] = 1.0
+    assert "nothing to gain" in background_is_suppressed(sure).evidence
 
 
 def test_a_sensor_is_judged_by_its_own_rows() -> None:
