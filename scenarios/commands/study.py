@@ -79,11 +79,9 @@ class Study:
     recordings: bool = True
     """Write a Rerun recording of each crossing, with the sensor of the first seed."""
     moving_backgrounds: bool = True
-    """Also draw the middle of one crossing of each lighting in front of four moving backgrounds:
-    trees in the wind, a vehicle that drives the other way, a shaking camera, and all three."""
+    """Also draw one crossing of each lighting in front of four moving backgrounds."""
     second_sensor: bool = True
-    """Also show the crossings to sensors of few events an edge: thresholds of 0.4 and 0.5, and a
-    refractory period of 1 ms."""
+    """Also show the crossings to sensors with high thresholds, which give few events an edge."""
     step_px: float = CrossingConfig.step_px
     """Largest motion in the image between two luminance samples, 0.05 to 8 [px]."""
     supersample: int = CrossingConfig.supersample
