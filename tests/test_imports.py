@@ -29,7 +29,7 @@ LAYERS = {
         "keyframes crossing event_truth photometric_camera preview"
     ),
     "emulator": (
-        "errors aps.config readout.config config arguments biases readout.event_keys "
+        "errors aps.config readout.config config noise arguments biases readout.event_keys "
         "luminance_frames grey_levels readout pixel presets aps thread_pool sensor "
         "characterisation"
     ),
