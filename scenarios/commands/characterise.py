@@ -53,7 +53,7 @@ class Characterise:
 
     def execute(self) -> int:
         """Run all experiments, write the folder and print the figures."""
-        config, name = self.sensor.sensor(), self.sensor.name
+        config, name = self.sensor.config(), self.sensor.name
         _SEED.check("--seed", self.seed, ScenarioError, default=0)
         folder = self.out or LOGS / f"datasheet_{name}_seed{self.seed}"
         check_output_folder(folder, needed_bytes=NEEDED_BYTES)

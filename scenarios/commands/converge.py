@@ -9,11 +9,18 @@ from typing import Annotated, Any, Literal
 import tyro
 from rich.table import Table
 
+from emulator import SensorConfig
 from flybench.direction import Direction
 from scenarios.convergence.matching import WITHIN_US
-from scenarios.convergence.measure import COLUMNS, RENDERINGS, measure_convergence
+from scenarios.convergence.measure import (
+    COLUMNS,
+    RENDERINGS,
+    measure_convergence,
+    noise_free_sensor,
+)
 from scenarios.errors import ScenarioError
 from scenarios.options.distractors import DistractorOptions
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
@@ -28,7 +35,7 @@ TABLE = "convergence.csv"
 
 @dataclass(frozen=True)
 class Converge:
-    """Measure how events converge as rendering gets finer."""
+    """Measure how events converge as rendering gets finer; thresholds are those of the sensor."""
 
     lighting: Literal["day", "dusk", "night", "both"] = "both"
     """day: sun, sky. dusk: sky, street lamps. night: street lamps, headlights. both: day, night."""
@@ -40,6 +47,7 @@ class Converge:
         default_factory=DistractorOptions
     )
     """Other things that move or flicker."""
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     piece_px: float = 3.0
     """Length of the rendered piece: distance that the vehicle moves in the image, 1 to 64 [px]."""
     out: Annotated[
@@ -55,12 +63,13 @@ class Converge:
                 f"--piece-px is {self.piece_px:g}. Allowed is a number from 1 to 64. The default "
                 "is 3, which takes some minutes."
             )
+        sensor = noise_free_sensor(None if self.sensor.is_default else self.sensor.config())
         if self.out is None:
-            print_rows(self._measure())
+            print_rows(self._measure(sensor))
             return 0
         check_output_folder(self.out, needed_bytes=NEEDED_BYTES)
         with atomic_folder(self.out) as work:
-            rows = self._measure()
+            rows = self._measure(sensor)
             print_rows(rows)
             write_table(work / TABLE, ("lighting", *COLUMNS), rows)
             parameters = asdict(self) | {"out": str(self.out)}
@@ -70,13 +79,14 @@ class Converge:
         say(f"wrote {self.out}")
         return 0
 
-    def _measure(self) -> list[tuple[Any, ...]]:
+    def _measure(self, sensor: SensorConfig) -> list[tuple[Any, ...]]:
         rows = []
         with progress_bar() as progress:
             for lighting in ("day", "night") if self.lighting == "both" else (self.lighting,):
                 advance = progress.track(lighting)
                 config = self._config(Lighting(lighting))
-                for k, row in enumerate(measure_convergence(config, self.piece_px, RENDERINGS)):
+                found = measure_convergence(config, self.piece_px, RENDERINGS, sensor)
+                for k, row in enumerate(found):
                     rows.append((lighting, *row))
                     advance(k + 1, len(RENDERINGS))
         return rows

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +10,10 @@ import tyro
 
 from scenarios.commands.run import LOGS, Run
 from scenarios.options.method import MethodName
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import check_output_folder
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.run_table import print_runs
@@ -25,13 +27,15 @@ class Demo:
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = LOGS / "demo"
     """Folder to write; the sequences go to its folders day and night."""
     method: MethodName = FLY
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
 
     def execute(self) -> int:
         """Run both sequences and print the table."""
         runs = [
-            (self.out / "day", Run(lighting="day", method=self.method).config()),
-            (self.out / "night", Run(lighting="night", method=self.method).config()),
+            (self.out / lighting, Run(lighting, method=self.method, sensor=self.sensor).config())
+            for lighting in ("day", "night")
         ]
+        check_frames(self.sensor.preset, self.method)
         needed_bytes = sum(estimated_bytes(config) for _, config in runs)
         places = [folder.absolute() for folder, _ in runs]  # a detector may change the current one
         for folder, config in runs:

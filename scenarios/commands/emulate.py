@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,8 +10,7 @@ import numpy as np
 import tyro
 from rich.table import Table
 
-from emulator import EventSensor, SensorOutput, preset
-from emulator.presets import PresetName
+from emulator import EventSensor, SensorConfig, SensorOutput
 from formats import EventWriter, open_writer, unit_us
 from scenarios.emulate.frame_times import TimeOptions
 from scenarios.emulate.luminance_samples import (
@@ -24,6 +23,7 @@ from scenarios.emulate.picture_source import Pictures
 from scenarios.emulate.pictures import open_pictures
 from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_file import check_output_file
 from scenarios.output.streams import SafeConsole, complain
 from scenarios.output.terminal import progress_bar, run_cli
@@ -108,8 +108,7 @@ class Emulate:
     ] = WHITE_CD_M2
     transfer: Literal["srgb", "linear"] = "srgb"
     """Relation of grey levels to luminance: sRGB, as in most images and videos, or linear."""
-    sensor: PresetName = "davis346"
-    """Preset of the sensor. The picture is scaled and cropped to fill it."""
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     seed: int = 0
     """Seed of the sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal events."""
     interpolate: bool = False
@@ -121,6 +120,7 @@ class Emulate:
     def execute(self) -> int:
         """Run the sensor, write the file and print a summary."""
         self._check_out(self.input, self.times)
+        config = self.sensor.config()
         if self.time_unit is not None:
             unit_us(self.time_unit)
         options = TimeOptions(self.fps, self.times, self.time_unit)
@@ -134,12 +134,11 @@ class Emulate:
                 "because events come from changes. Give a longer sequence."
             )
         motion, totals = MotionStatistics(), EmulationTotals()
-        config = preset(self.sensor)
         with open_writer(
             self.out, width=config.width, height=config.height, overwrite=self.overwrite
         ) as writer:
-            self._emulate(pictures, motion, writer, totals)
-        self._warn(pictures, motion, totals, takes_frames=writer.takes_frames)
+            self._emulate(config, pictures, motion, writer, totals)
+        self._warn(config, pictures, motion, totals, takes_frames=writer.takes_frames)
         self._print(pictures, motion, totals)
         return 0
 
@@ -149,12 +148,12 @@ class Emulate:
 
     def _emulate(
         self,
+        config: SensorConfig,
         pictures: Pictures,
         motion: MotionStatistics,
         writer: EventWriter,
         totals: EmulationTotals,
     ) -> None:
-        config = preset(self.sensor)
         sensor = EventSensor(config, seed=self.seed)
         samples = luminance_samples(
             pictures,
@@ -179,6 +178,7 @@ class Emulate:
 
     def _warn(
         self,
+        config: SensorConfig,
         pictures: Pictures,
         motion: MotionStatistics,
         totals: EmulationTotals,
@@ -193,7 +193,7 @@ class Emulate:
                 f"number is wrong. Record {motion.max_px_s / ACCURATE_PX:.0f} frames per second, "
                 "or give --interpolate."
             )
-        reliable_px = LARGE_SHARE * preset(self.sensor).width
+        reliable_px = LARGE_SHARE * config.width
         if self.interpolate and motion.max_px > reliable_px:
             _print_note(
                 f"Objects move by up to {motion.max_px:.1f} px between frames. Optical flow is "

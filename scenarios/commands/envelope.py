@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -14,6 +14,7 @@ from scenarios.envelope.measure import measure_all
 from scenarios.envelope.report import print_envelope, write_envelope
 from scenarios.errors import ScenarioError
 from scenarios.options.method import RepeatedMethod
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder
 from scenarios.output.streams import say
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
@@ -30,10 +31,11 @@ Factor = Literal[
 
 @dataclass(frozen=True)
 class Envelope:
-    """Measure where a detector is correct, on synthetic stimuli, and draw maps of it."""
+    """Measure where a detector is correct, on synthetic stimuli seen by the sensor's thresholds."""
 
     REPEATABLE: ClassVar = frozenset({"--method"})
     method: RepeatedMethod = ()
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     full: bool = False
     """Measure every point ten times instead of twice, with different seeds."""
     seeds: Annotated[
@@ -75,7 +77,7 @@ class Envelope:
 
     def execute(self) -> int:
         """Measure all points, write the folder, and print the operating ranges."""
-        grid = self.grid()
+        grid, sensor = self.grid(), self.sensor.config()
         for name in self.methods:
             _check_method(name)
         check_output_folder(self.out, needed_bytes=NEEDED_BYTES * len(self.methods))
@@ -83,7 +85,9 @@ class Envelope:
             with progress_bar() as progress:
                 advance = progress.track(f"envelope of {', '.join(self.methods)}")
                 points = grid.points()
-                rows, failed = measure_all(points, self.methods, jobs=self.jobs, progress=advance)
+                rows, failed = measure_all(
+                    points, self.methods, jobs=self.jobs, sensor=sensor, progress=advance
+                )
             arguments = asdict(replace(self, method=self.methods))
             write_envelope(work, rows, grid, arguments, failed)
         print_envelope(rows, grid)

@@ -8,13 +8,13 @@ from typing import Annotated, Literal
 
 import tyro
 
-from emulator import SensorConfig, preset
-from emulator.presets import PresetName
+from emulator import SensorConfig
 from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.distractors import DistractorOptions
 from scenarios.options.method import MethodName
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import check_output_folder
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.pipeline.frame_check import check_frames
@@ -98,10 +98,9 @@ class Run:
         tyro.conf.arg(metavar="NAME ...", help_behavior_hint="(default: no other detectors)"),
     ] = ()
     """Further detectors to run on the same events, for comparison; names as for --method."""
-    sensor: PresetName = "davis346"
-    """Preset of the sensor: its pixels, its readout and its lens, which set the field of view."""
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     noise: bool = True
-    """Simulate leak events, shot noise, hot pixels and frame noise; --no-noise needs davis346."""
+    """Simulate all noise of events and frames; --no-noise needs the default sensor."""
     lead_s: float = 0.15
     """Time before the vehicle enters the image and after it has left, 0.05 to 10 [s]."""
     step_px: float = CrossingConfig.step_px
@@ -161,7 +160,7 @@ class Run:
         place = folder.absolute()  # a detector may change the current folder
         make_detector(config)
         for method in (self.method, *self.also):
-            check_frames(self.sensor, method)
+            check_frames(self.sensor.preset, method)
         make_extra_detectors(config, self.also)
         with progress_bar() as progress:
             summary = record_run(
@@ -177,11 +176,12 @@ class Run:
 
     def _sensor(self) -> SensorConfig:
         if self.noise:
-            return preset(self.sensor)
-        if self.sensor != "davis346":
+            return self.sensor.config()
+        if not self.sensor.is_default:
             raise ScenarioError(
-                f"--sensor is {self.sensor} and --no-noise is given. Allowed is --no-noise with "
-                "davis346. For less noise, choose --sensor ideal or v2e_clean."
+                f"{' '.join(self.sensor.arguments())} and --no-noise are given. Allowed is "
+                "--no-noise with the default sensor. For less noise, choose --sensor ideal or "
+                "v2e_clean."
             )
         return SensorConfig.noise_free()
 

@@ -15,11 +15,13 @@ from flybench.unfinished import FINISHED
 from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.streams import say
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
+from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.runs.sequence import estimated_bytes
@@ -73,6 +75,7 @@ class Study:
     ] = ()
     """Angular velocities at closest approach, 0.05 to 10 [rad/s]."""
     methods: MethodNames = METHODS
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     seeds: int = SEEDS
     """Number of simulated sensors that see each crossing, 1 to 100, with seeds from 0."""
     contrast_hop_ms: Annotated[float, tyro.conf.arg(help=_HOP_HELP)] = CONTRAST_HOP_US / 1e3
@@ -104,10 +107,14 @@ class Study:
         """
         self._check()
         seeds = tuple(range(self.seeds))
+        sensor = self.sensor.config()
+        for method in self.methods:
+            check_frames(self.sensor.preset, method)
         tasks = [
             SequenceTask(
                 crossing,
                 methods=self.methods,
+                sensor=sensor,
                 seeds=seeds,
                 cache=self.cache,
                 contrast_hop_us=round(self.contrast_hop_ms * 1e3),
@@ -236,14 +243,14 @@ class Study:
         defaults, parts = asdict(Study()), ["flybench study"]
         for name, value in self._arguments().items():
             option = name.replace("_", "-")
-            if name == "out" or value == defaults[name]:
+            if name in ("out", "sensor") or value == defaults[name]:
                 continue
             if isinstance(value, bool):
                 parts.append(f"--{option}" if value else f"--no-{option}")
             else:
                 words = value if isinstance(value, tuple) else (value,)
                 parts.append(" ".join([f"--{option}", *map(str, words)]))
-        return " ".join(parts)
+        return " ".join([*parts, *self.sensor.arguments()])
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import progress_bar, run_cli
 from scenarios.pipeline.cluster import run_on_cluster
@@ -56,6 +57,7 @@ class Sweep:
     """Run on a Dask cluster: address of its scheduler, such as tcp://127.0.0.1:8786."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Check the file and print its points, but render and write nothing."""
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     parameters: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """List every parameter that a file can set, with its default and allowed values."""
     cache: tyro.conf.OmitArgPrefixes[CacheOptions] = field(default_factory=CacheOptions)
@@ -71,7 +73,7 @@ class Sweep:
                 "scenarios/sweep/examples. Give a file, or --parameters to list what it can set."
             )
         folder = self.out or SWEEPS / self.file.stem
-        run, plan = self._runner(), read_plan(self.file)
+        run, plan = self._runner(), read_plan(self.file, self.sensor)
         check_folder(folder)
         self.cache.open()
         if self.dry_run:

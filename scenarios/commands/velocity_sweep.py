@@ -17,11 +17,13 @@ from flybench.direction import Direction
 from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodName
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.streams import say
 from scenarios.output.tables import write_table
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
 from scenarios.output.versions import versions
+from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
@@ -50,6 +52,7 @@ class VelocitySweep:
     direction: Literal["right", "left", "up", "down"] = "right"
     """Direction in which the vehicle moves in the image."""
     method: MethodName = FLY
+    sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     seed: int = 0
     """Seed of the first sensor, 0 to 2^32 - 1. Equal seeds give equal events."""
     seeds: int = 1
@@ -68,6 +71,7 @@ class VelocitySweep:
     def execute(self) -> int:
         """Measure all velocities, print the table, and write the folder if `--out` is given."""
         configs, cache = list(self._configs()), self.cache.open()
+        check_frames(self.sensor.preset, self.method)
         make_detector(configs[0])
         if self.out is None:
             rows, failed = self._measure(configs, cache)
@@ -103,6 +107,7 @@ class VelocitySweep:
                 f"--seeds is {self.seeds}. Allowed is a whole number from 1 to {MAX_SEEDS}. "
                 "Use about ten to see the effect of the noise."
             )
+        sensor = self.sensor.config()
         names = ("day", "night") if self.lighting == "both" else (self.lighting,)
         for lighting in map(Lighting, names):
             for omega in self.omegas or PAPER_OMEGA_RAD_S[lighting]:
@@ -113,7 +118,7 @@ class VelocitySweep:
                     step_px=self.step_px,
                     supersample=self.supersample,
                 )
-                yield RunConfig(crossing, method=self.method, seed=self.seed)
+                yield RunConfig(crossing, sensor, method=self.method, seed=self.seed)
 
     def _write(self, work: Path, rows: list[Row], failed: list[str]) -> None:
         write_table(work / TABLE, tuple(rows[0]), (tuple(row.values()) for row in rows))

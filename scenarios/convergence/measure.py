@@ -70,8 +70,19 @@ COLUMNS = (
 """Columns of a row: the rendering, its cost, the excess of events, recall, precision and median."""
 
 
+def noise_free_sensor(config: SensorConfig | None) -> SensorConfig:
+    """Return `SENSOR` with the thresholds and the mismatch of another sensor; None: its own."""
+    if config is None:
+        return SENSOR
+    thresholds = {name: getattr(config, name) for name in ("theta_on", "theta_off")}
+    return replace(SENSOR, **thresholds, theta_mismatch=config.theta_mismatch)
+
+
 def measure_convergence(
-    config: CrossingConfig, piece_px: float, renderings: Iterable[Rendering]
+    config: CrossingConfig,
+    piece_px: float,
+    renderings: Iterable[Rendering],
+    sensor: SensorConfig = SENSOR,
 ) -> Iterator[tuple[Any, ...]]:
     """Render a piece of a crossing in several ways; the first one is the reference.
 
@@ -81,7 +92,7 @@ def measure_convergence(
     reference: Events | None = None
     for rendering in renderings:
         kind, supersample, step_px, spacing_px = rendering
-        events, cpu_ms = piece_events(config, piece_px, rendering)
+        events, cpu_ms = piece_events(config, piece_px, rendering, sensor)
         reference = events if reference is None else reference
         found = match(events, reference)
         yield (
@@ -98,7 +109,7 @@ def measure_convergence(
 
 
 def piece_events(
-    config: CrossingConfig, piece_px: float, rendering: Rendering
+    config: CrossingConfig, piece_px: float, rendering: Rendering, sensor: SensorConfig = SENSOR
 ) -> tuple[Events, float]:
     """Return the events of a piece around closest approach, and the cost of rendering it.
 
@@ -106,6 +117,7 @@ def piece_events(
         config: the crossing; its supersampling and keyframe spacing are replaced.
         piece_px: distance that the vehicle moves [px].
         rendering: how to render the piece.
+        sensor: sensor that sees it, of the size of the rendering.
 
     Returns:
         The events, and the CPU time per sample without what is rendered once [ms].
@@ -117,7 +129,7 @@ def piece_events(
     times_us = piece_times_us(crossing, piece_px, step_px)
     render = full_frames if kind == "full" else keyframe_frames
     frames = TimedFrames(render(crossing, times_us))
-    events = events_of(frames)
+    events = events_of(frames, sensor)
     return events, 1e3 * frames.spent_s / max(len(times_us) - 1, 1)
 
 
@@ -144,9 +156,9 @@ class TimedFrames:
             yield frame
 
 
-def events_of(frames: Iterable[tuple[int, Luminance]]) -> Events:
+def events_of(frames: Iterable[tuple[int, Luminance]], config: SensorConfig = SENSOR) -> Events:
     """Return the events of a sensor that has adapted to the first frame."""
-    sensor = EventSensor(SENSOR, seed=0)
+    sensor = EventSensor(config, seed=0)
     steps = [sensor.step(t_us, luminance).events for t_us, luminance in frames]
     return np.concatenate(steps[1:])
 

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from detector.metrics import Box
+from emulator import SensorConfig
 from flybench.events import Events, concatenate_events
 from scenarios.envelope.noise import merge_streams, poisson_noise
-from scenarios.envelope.pixels import PixelArray, threshold
+from scenarios.envelope.pixels import DEFAULT_SENSOR, PixelArray, threshold_scale
 from scenarios.envelope.scene import Scene, make_scene
 from scenarios.envelope.stimulus import Stimulus
 
@@ -60,8 +61,13 @@ class DrawnStimulus:
         return None if x0 >= x1 or y0 >= y1 else (float(x0 + x1) / 2, float(y0 + y1) / 2)
 
 
-def draw_stimulus(stimulus: Stimulus) -> DrawnStimulus:
-    """Generate the events of a stimulus; equal stimuli give the same events, bit for bit."""
+def draw_stimulus(stimulus: Stimulus, sensor: SensorConfig = DEFAULT_SENSOR) -> DrawnStimulus:
+    """Generate the events of a stimulus; equal stimuli give the same events, bit for bit.
+
+    Args:
+        stimulus: the stimulus.
+        sensor: sensor whose thresholds the pixels have.
+    """
     scene = make_scene(stimulus)
     noise = poisson_noise(
         stimulus.noise_hz,
@@ -70,12 +76,12 @@ def draw_stimulus(stimulus: Stimulus) -> DrawnStimulus:
         duration_us=scene.duration_us,
         rng=np.random.default_rng((stimulus.seed, 2)),
     )
-    signal = concatenate_events(list(_signal_events(scene)))
+    signal = concatenate_events(list(_signal_events(scene, sensor)))
     events = merge_streams(signal, noise)
     return DrawnStimulus(stimulus, scene, events, _in_view_us(scene))
 
 
-def _signal_events(scene: Scene) -> Iterator[Events]:
+def _signal_events(scene: Scene, sensor: SensorConfig) -> Iterator[Events]:
     """Yield the events that the scene causes, step by step, sorted by time."""
     steps = math.ceil(scene.duration_us / _step_us(scene))
     times_us = np.linspace(0, scene.duration_us, steps + 1)
@@ -85,7 +91,8 @@ def _signal_events(scene: Scene) -> Iterator[Events]:
         [layer.texture for layer in scene.layers],
         [layer.opacity for layer in scene.layers],
         margin_px=scene.margin_px,
-        theta=threshold(scene.stimulus.events_per_edge),
+        sensor=sensor,
+        scale=threshold_scale(scene.stimulus.events_per_edge),
         rng=np.random.default_rng((scene.stimulus.seed, 1)),
     )
     pixels.adapt(shifts[0], corners[0])

@@ -12,7 +12,9 @@ import cv2
 import numpy as np
 
 from detector.estimate import MotionEstimate
+from emulator import SensorConfig
 from scenarios.envelope.drawing import DrawnStimulus, draw_stimulus
+from scenarios.envelope.pixels import DEFAULT_SENSOR
 from scenarios.envelope.stimulus import Stimulus
 from scenarios.errors import MethodError
 from scenarios.pipeline.feeding import DetectorFeed
@@ -31,6 +33,7 @@ def measure_all(
     methods: Sequence[str],
     *,
     jobs: int,
+    sensor: SensorConfig = DEFAULT_SENSOR,
     progress: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> tuple[list[Row], dict[str, str]]:
     """Measure every point with every method, in processes of one thread each.
@@ -39,6 +42,7 @@ def measure_all(
         points: the stimuli.
         methods: names that `find_method` knows.
         jobs: number of processes; −1: one per core.
+        sensor: sensor whose thresholds the pixels have.
         progress: function that is called after every point, with the numbers of finished points
             and of all points.
 
@@ -52,7 +56,8 @@ def measure_all(
         MethodError: all methods failed.
     """
     done: dict[int, list[Row]] = {}
-    results = run_locally(partial(measure, methods=tuple(methods)), points, jobs=jobs)
+    one = partial(measure, methods=tuple(methods), sensor=sensor)
+    results = run_locally(one, points, jobs=jobs)
     progress(0, len(points))
     for n, rows in results:
         done[n] = rows
@@ -68,12 +73,15 @@ def measure_all(
     return kept, failed
 
 
-def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
+def measure(
+    stimulus: Stimulus, methods: Sequence[str], sensor: SensorConfig = DEFAULT_SENSOR
+) -> list[Row]:
     """Show a stimulus to fresh detectors, and score them.
 
     Args:
         stimulus: the stimulus.
         methods: names that `find_method` knows.
+        sensor: sensor whose thresholds the pixels have.
 
     Returns:
         One row per method: its name, the fields of the stimulus, all scores of `score_estimates`
@@ -84,7 +92,7 @@ def measure(stimulus: Stimulus, methods: Sequence[str]) -> list[Row]:
         MethodError: there is no such method.
     """
     cv2.setNumThreads(1)  # other processes use the other cores
-    drawn = draw_stimulus(stimulus)
+    drawn = draw_stimulus(stimulus, sensor)
     return [_row(name, drawn) for name in methods]
 
 

@@ -14,19 +14,25 @@ from flybench.kernels import compiled
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
-MISMATCH = SensorConfig().theta_mismatch / SensorConfig().theta_on
-"""Standard deviation of the thresholds over the pixels, relative to their mean: that of the
-emulator. This module uses nothing else of its pixel model."""
+DEFAULT_SENSOR = SensorConfig()
+"""Sensor whose thresholds the pixels have; this module uses nothing else of its pixel model."""
 EDGE_CONTRAST = 0.8
 """Step of log luminance that `Stimulus.events_per_edge` counts the events of: the contrast of the
 base point."""
+BASE_EVENTS = 2
+"""Number of events for which the pixels have the thresholds of the sensor: those of the default
+sensor, 0.28 and 0.35, give two ON and two OFF events of an edge."""
 _MIN_THETA = 0.02
 """Lowest threshold of any pixel."""
 
 
-def threshold(events_per_edge: int) -> float:
-    """Return the threshold at which an edge of `EDGE_CONTRAST` causes this many events."""
-    return EDGE_CONTRAST / (events_per_edge + 0.5)
+def threshold_scale(events_per_edge: int) -> float:
+    """Return the factor on the thresholds for this many events of an edge of `EDGE_CONTRAST`.
+
+    A threshold of contrast/(events + 1/2) gives that number; the scale is relative to that of the
+    base point.
+    """
+    return (BASE_EVENTS + 0.5) / (events_per_edge + 0.5)
 
 
 class PixelArray:
@@ -37,7 +43,8 @@ class PixelArray:
         textures: log luminance of the layers, from back to front, each (rows, columns) float32.
         opacities: opacity of the layers, with the shapes of the textures: 1 hides what is behind.
         margin_px: how far the background extends beyond the image.
-        theta: mean of the thresholds, for rising and falling luminance [ln luminance].
+        sensor: sensor whose thresholds, with their mismatch, the pixels have.
+        scale: factor on these thresholds and their mismatch.
         rng: random generator for the mismatch of the thresholds.
     """
 
@@ -48,7 +55,8 @@ class PixelArray:
         opacities: list[F32],
         *,
         margin_px: int,
-        theta: float,
+        sensor: SensorConfig = DEFAULT_SENSOR,
+        scale: float = 1.0,
         rng: np.random.Generator,
     ) -> None:
         rows, columns = (size - 2 * margin_px for size in background.shape)
@@ -57,9 +65,12 @@ class PixelArray:
             (np.ascontiguousarray(texture * opacity), np.ascontiguousarray(opacity))
             for texture, opacity in zip(textures, opacities, strict=True)
         ]
+        mismatch = sensor.theta_mismatch
         on, off = (
-            np.maximum(theta * (1 + MISMATCH * rng.standard_normal((rows, columns))), _MIN_THETA)
-            for _ in range(2)
+            np.maximum(
+                scale * (theta + mismatch * rng.standard_normal((rows, columns))), _MIN_THETA
+            )
+            for theta in (sensor.theta_on, sensor.theta_off)
         )
         self._theta_on, self._theta_off = on.astype(np.float32), off.astype(np.float32)
         self._present = np.zeros((rows, columns), np.float32)

@@ -79,8 +79,8 @@ class Stimulus:
             direction stays that of the motion. The motion of a band along itself cannot be seen,
             and the direction normal to its edges counts as right; below 45 deg, it is the same one
             of the four directions.
-        events_per_edge: events of a pixel when an edge of 0.8 in log luminance passes. It sets the
-            thresholds; with 2 they are 0.32, about those of the emulated DAVIS346.
+        events_per_edge: events of a pixel of the default sensor when an edge of 0.8 in log
+            luminance passes. It scales the thresholds; with 2 they are those of the sensor.
         background: motion besides that of the target.
         seed: seed of texture, position, background, pixels and noise.
         width: sensor columns [px].

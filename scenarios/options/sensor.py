@@ -1,8 +1,8 @@
-"""The sensor of a command: a preset, changed by a TOML file, changed by single values.
+"""The sensor of a command: a preset or a TOML file, changed by single values.
 
-The file contains the values that differ from the preset, by the names of `emulator.SensorConfig`.
+The file contains the values that differ from its preset, by the names of `emulator.SensorConfig`.
 Values of the frames are in a table `aps`, those of the readout in a table `readout`, bias currents
-as coarse and fine codes in a table `biases`:
+as coarse and fine codes in a table `biases`. `flybench calibrate` writes such a file:
 
     preset = "dvs128"
     theta_on = 0.25
@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
@@ -38,14 +39,22 @@ from emulator import (
     with_biases,
 )
 from emulator.presets import WITHOUT_FRAMES, PresetName
+from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
 from scenarios.options.toml_file import parse_toml, read_toml
 
 DEFAULT: PresetName = "davis346"
+_PRESETS: tuple[str, ...] = get_args(PresetName)
 _PRESET, _APS, _READOUT, _BIASES = "preset", "aps", "readout", "biases"
 _BARE_WORD = re.compile(r"[A-Za-z_]\w*")
+_SENSOR_HELP = (
+    "Sensor: the name of a preset, or a TOML file as flybench calibrate writes it. The presets are "
+    f"{', '.join(get_args(PresetName))}. A file has the parameters that differ from its preset, "
+    "such as theta_on = 0.25, those of frames and readout in tables [aps] and [readout], and bias "
+    "currents in a table [biases]."
+)
 _SET_HELP = (
-    "Sensor parameters that differ from the preset and the file, such as theta_on=0.25 "
+    "Sensor parameters that differ from those of --sensor, such as theta_on=0.25 "
     "aps.shutter=rolling; each name once. If a bias is set, such as biases.on=[6,200] (coarse and "
     "fine code), thresholds, bandwidths and refractory period are computed from bias currents. "
     "Biases that are not set then have the manufacturer's values, not those of the preset."
@@ -64,38 +73,27 @@ def _joined(groups: _Groups = ()) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class SensorOptions:
-    """The sensor: a preset and the parameters that differ from it."""
+    """The sensor: a preset or a file, and the parameters that differ from it."""
 
-    preset: Annotated[
-        PresetName | None,
+    sensor: Annotated[
+        str | None,
         tyro.conf.arg(
-            metavar="|".join(get_args(PresetName)), help_behavior_hint=f"(default: {DEFAULT})"
-        ),
-    ] = None
-    """Preset of the sensor."""
-    config: Annotated[
-        Path | None,
-        tyro.conf.arg(
-            metavar="FILE",
-            help="TOML file with sensor parameters that differ from the preset, such as theta_on = "
-            "0.25; parameters of frames and readout in tables [aps] and [readout], bias currents "
-            "in a table [biases].",
-            help_behavior_hint="(default: no file)",
+            metavar="PRESET|FILE",
+            help=_SENSOR_HELP,
+            help_behavior_hint=f"(default: {DEFAULT})",
         ),
     ] = None
     set: Annotated[tuple[str, ...], tyro.conf.arg(name="", constructor=_joined)] = ()
-    """Sensor parameters that differ from preset and file, as NAME=VALUE, each name once."""
+    """Sensor parameters that differ from those of --sensor, as NAME=VALUE, each name once."""
 
     def changes(self) -> dict[str, Any]:
         """Return preset and parameters in the form of the TOML file.
 
         Raises:
-            ScenarioError: the file cannot be read, an argument is not NAME=VALUE, or a name is
-                given twice.
+            ScenarioError: there is no such preset and no such file, the file cannot be read, an
+                argument is not NAME=VALUE, or a name is given twice.
         """
-        merged: dict[str, Any] = (
-            {} if self.config is None else read_toml(self.config, ScenarioError)[1]
-        )
+        merged = self._base()
         given = [_parsed(argument) for argument in self.set]
         _check_once([name for name, _ in given])
         for name, value in given:
@@ -106,22 +104,49 @@ class SensorOptions:
                 if not isinstance(place, dict):
                     raise _unknown_name(name, table, SensorConfig)
             place[key] = value
-        chosen = self.preset or merged.pop(_PRESET, DEFAULT)
-        return {**merged, _PRESET: chosen}
+        return {_PRESET: DEFAULT} | merged
 
-    def sensor(self) -> SensorConfig:
+    def config(self) -> SensorConfig:
         """Return the sensor that the options describe.
 
         Raises:
             ScenarioError: the file cannot be read, or an argument or a name is wrong.
             SensorConfigError: a value is out of its range, or there is no such preset.
         """
-        return sensor_of(self.changes())
+        changes = self.changes()
+        try:
+            return sensor_of(changes)
+        except FlybenchError as error:
+            if self.sensor is None or self.sensor in _PRESETS:
+                raise
+            raise type(error)(f"{self.sensor}: {error}") from None
+
+    def _base(self) -> dict[str, Any]:
+        """Return the contents of --sensor in the form of the TOML file."""
+        if self.sensor is None:
+            return {}
+        if self.sensor in _PRESETS:
+            return {_PRESET: self.sensor}
+        path = Path(self.sensor)
+        if path.suffix != ".toml" and not path.is_file():
+            near = get_close_matches(self.sensor, _PRESETS, n=1)
+            remedy = f"Did you mean {near[0]}?" if near else "Give the path of an existing file."
+            raise ScenarioError(
+                f"--sensor is {self.sensor!r}. Allowed is a TOML file or one of "
+                f"{', '.join(_PRESETS)}. {remedy}"
+            )
+        return read_toml(path, ScenarioError)[1]
+
+    @property
+    def preset(self) -> PresetName:
+        """Name of the preset, which a file may state; `config` checks that it exists."""
+        name: PresetName = self.changes()[_PRESET]
+        return name
 
     @property
     def frames(self) -> bool:
         """True if the chip of the preset records APS frames."""
-        return str(self.changes()[_PRESET]) not in WITHOUT_FRAMES
+        return str(self.preset) not in WITHOUT_FRAMES
 
     @property
     def name(self) -> str:
@@ -131,6 +156,16 @@ class SensorOptions:
         if not changes:
             return base
         return f"{base}_{hashlib.sha256(repr(_sorted(changes)).encode()).hexdigest()[:8]}"
+
+    @property
+    def is_default(self) -> bool:
+        """True if no option is given."""
+        return self.sensor is None and not self.set
+
+    def arguments(self) -> list[str]:
+        """Return the words of a command line that give these options."""
+        words = [] if self.sensor is None else ["--sensor", shlex.quote(self.sensor)]
+        return words + (["--set", *map(shlex.quote, self.set)] if self.set else [])
 
 
 def sensor_of(changes: Mapping[str, Any]) -> SensorConfig:

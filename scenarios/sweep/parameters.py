@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import types
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from difflib import get_close_matches
 from enum import StrEnum
 from functools import cache
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Self, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 
 from detector.fly.config import FlyConfig
-from emulator import preset
+from emulator import SensorConfig, preset
 from emulator.presets import PresetName
 from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
+from scenarios.options.sensor import SensorOptions
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import DETECTORS, FLY, is_fly
 from scenarios.pipeline.run_config import RunConfig
@@ -27,6 +28,24 @@ _DAVIS346: PresetName = "davis346"
 Settings = Mapping[str, Any]
 """Values by the dotted names of parameters."""
 C = TypeVar("C")
+
+
+@dataclass(frozen=True)
+class BaseSensor:
+    """The sensor of the command line, which the parameters of a file change.
+
+    Attributes:
+        config: configuration of the sensor.
+        preset: name of its preset.
+    """
+
+    config: SensorConfig
+    preset: PresetName
+
+    @classmethod
+    def of(cls, options: SensorOptions) -> Self:
+        """Return the sensor that the options describe."""
+        return cls(options.config(), options.preset)
 
 
 @cache
@@ -115,30 +134,41 @@ _WORDS: dict[type, str] = {
 }
 
 
-def make_config(settings: Settings) -> RunConfig:
+def make_config(settings: Settings, base: BaseSensor | None = None) -> RunConfig:
     """Return the run with these values, and defaults for all other parameters.
 
     Args:
         settings: values, of the parameters' types. "sensor.preset" gives the defaults of the
             sensor, and "method" those of the fly.
+        base: sensor of the command line; None: the default of "sensor.preset".
 
     Raises:
         ScenarioError: a value is out of range or conflicts with another. The message names the
             parameter by its dotted name.
     """
-    method, sensor = settings.get(METHOD, FLY), settings.get(PRESET, _DAVIS346)
-    check_frames(sensor, method)
+    if base is not None and PRESET in settings:
+        raise ScenarioError(
+            f"{PRESET} is {settings[PRESET]!r}, and a sensor is given on the command line. Allowed "
+            "is one of them. Leave the other out."
+        )
+    method = settings.get(METHOD, FLY)
+    base = base or _base_of(settings.get(PRESET, _DAVIS346))
+    check_frames(base.preset, method)
     fly = None
     if any(name.startswith("fly.") for name in settings):
         config = DETECTORS[method].config if is_fly(method) else FlyConfig()
         fly = _changed(config, "fly", settings)
     return RunConfig(
         crossing=_changed(CrossingConfig(), "crossing", settings),
-        sensor=_changed(preset(sensor), "sensor", settings),
+        sensor=_changed(base.config, "sensor", settings),
         method=method,
         fly=fly,
         seed=settings.get(SEED, 0),
     )
+
+
+def _base_of(name: PresetName) -> BaseSensor:
+    return BaseSensor(preset(name), name)
 
 
 def _changed(base: C, section: str, settings: Settings) -> C:

@@ -11,9 +11,10 @@ from typing import Any
 
 from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
+from scenarios.options.sensor import SensorOptions
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import check_run_memory, make_crossing
-from scenarios.sweep.parameters import PRESET, SEED, Settings, make_config
+from scenarios.sweep.parameters import PRESET, SEED, BaseSensor, Settings, make_config
 from scenarios.sweep.sweep_file import MAX_POINTS, SweepFile, SweepFileError, read_sweep
 from sim import Profile
 
@@ -49,23 +50,31 @@ class Plan:
     text: str
 
 
-def read_plan(path: Path) -> Plan:
+def read_plan(path: Path, sensor: SensorOptions | None = None) -> Plan:
     """Read a sweep file and return its points, all checked.
 
+    Args:
+        path: path of the file.
+        sensor: the sensor of points that set no other preset; parameters of the file change it.
+            None: the default.
+
     Raises:
+        ScenarioError: the options of the sensor are wrong.
+        SensorConfigError: the sensor is invalid.
         SweepFileError: the file cannot be read, a value is out of range or conflicts with another,
             there are too many points, or a detector does not exist.
     """
+    base = None if sensor is None or sensor.is_default else BaseSensor.of(sensor)
     file = read_sweep(path)
     try:
-        points = _points(file)
+        points = _points(file, base)
         _check_runs([point.config for point in points])
     except FlybenchError as error:
         raise SweepFileError(f"{path}: {error}") from error
     return Plan(points, file.text)
 
 
-def _points(file: SweepFile) -> tuple[Point, ...]:
+def _points(file: SweepFile, base: BaseSensor | None) -> tuple[Point, ...]:
     count = math.prod(len(axis) for axis in file.axes) * max(1, len(file.seeds))
     count *= file.sample.count if file.sample else 1
     if count > MAX_POINTS:
@@ -77,7 +86,7 @@ def _points(file: SweepFile) -> tuple[Point, ...]:
     for level_labels, level_settings, varied in _combinations(file):
         settings = dict(file.fixed) | level_settings | varied
         labels = level_labels | ({PRESET: settings[PRESET]} if PRESET in settings else {})
-        point = Point(make_config(settings), labels, varied)
+        point = Point(make_config(settings, base), labels, varied)
         points.setdefault((point.config, tuple(labels.values())), point)
     return tuple(points.values())
 

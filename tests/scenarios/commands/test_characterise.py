@@ -119,7 +119,7 @@ def test_a_modified_sensor_is_measured_and_marked(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    options = SensorOptions(preset="dvs128", set=("refractory_us=50", "aps.noise=false"))
+    options = SensorOptions("dvs128", set=("refractory_us=50", "aps.noise=false"))
     assert execute(Characterise(options, out=tmp_path / "sheet")) == 0
     json_export = json.loads((tmp_path / "sheet" / NUMBERS).read_text())
     assert json_export["asked_for"]["aps"] == {"noise": False}

@@ -16,6 +16,7 @@ from emulator import EventSensor, preset
 from flybench.events import Events
 from formats import open_events, read_events
 from scenarios.commands.emulate import Emulate
+from scenarios.options.sensor import SensorOptions
 from scenarios.output.terminal import execute
 from tests.scenarios.emulate.moving_pictures import bar, wall, wall_sequence
 from tests.scenarios.emulate.written_videos import fast_then_slow, write_video
@@ -29,7 +30,7 @@ def array(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def emulate(source: Path, out: Path, **options: Any) -> Events:
-    command = Emulate(source, out, fps=1000.0, sensor="ideal", transfer="linear")
+    command = Emulate(source, out, fps=1000.0, sensor=SensorOptions("ideal"), transfer="linear")
     assert execute(replace(command, **options)) == 0
     return read_events(out)
 
@@ -42,7 +43,8 @@ def test_a_wrong_unit_is_refused_even_if_it_is_not_used(
 
 
 def test_events_are_those_of_the_sensor(array: Path, tmp_path: Path) -> None:
-    found = emulate(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor="v2e_noisy", seed=3)
+    options = SensorOptions("v2e_noisy")
+    found = emulate(array, tmp_path / "a.npz", white_cd_m2=300.0, sensor=options, seed=3)
     sensor = EventSensor(preset("v2e_noisy"), seed=3)
     expected = []
     for k, image in enumerate(np.load(array)):
@@ -254,7 +256,7 @@ def test_a_flash_in_a_video_of_varying_rate_comes_at_its_time(
     levels = [40] * 53 + [200] * 7
     write_video(tmp_path / "flash.mkv", fast_then_slow(), per_s=60, levels=levels)
     events = tmp_path / "a.npz"
-    assert execute(Emulate(tmp_path / "flash.mkv", events, sensor="ideal")) == 0
+    assert execute(Emulate(tmp_path / "flash.mkv", events, sensor=SensorOptions("ideal"))) == 0
     t_us = read_events(events)["t"]
     assert t_us.min() >= 1_967_000
     assert t_us.max() <= 2_034_000

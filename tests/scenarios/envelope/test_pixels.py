@@ -1,20 +1,15 @@
 """Event pixels against a calculation by hand."""
 
 import numpy as np
-import pytest
 
+from emulator import SensorConfig
 from flybench.events import Events
-from scenarios.envelope import pixels
-from scenarios.envelope.pixels import EDGE_CONTRAST, PixelArray, threshold
+from scenarios.envelope.pixels import EDGE_CONTRAST, PixelArray, threshold_scale
 
 WHOLE = (0, 0, 8, 6)
 THETA = 0.2
 STILL = np.zeros(2)
-
-
-@pytest.fixture(autouse=True)
-def _no_mismatch(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pixels, "MISMATCH", 0.0)
+SENSOR = SensorConfig(theta_on=THETA, theta_off=THETA, theta_mismatch=0.0)
 
 
 def array_of(
@@ -26,7 +21,8 @@ def array_of(
         [block],
         [np.full((2, 3), opacity, np.float32)],
         margin_px=2,
-        theta=theta,
+        sensor=SENSOR,
+        scale=theta / THETA,
         rng=np.random.default_rng(0),
     )
     made.adapt(STILL, np.array([[-10.0, 1.0]]))
@@ -90,7 +86,7 @@ def test_only_the_given_region_changes() -> None:
 def test_a_shifted_background_shifts_in_every_pixel() -> None:
     background = np.tile(np.arange(12, dtype=np.float32), (10, 1))
     array = PixelArray(background, [np.zeros((1, 1), np.float32)], [np.zeros((1, 1), np.float32)],
-                    margin_px=2, theta=THETA, rng=np.random.default_rng(0))  # fmt: skip
+                    margin_px=2, sensor=SENSOR, rng=np.random.default_rng(0))  # fmt: skip
     array.adapt(STILL, np.array([[0.0, 0.0]]))
     np.testing.assert_allclose(array._present[0], np.arange(2, 10))
     array.step(np.array([-1.5, 0.0]), np.array([[0.0, 0.0]]), WHOLE, start_us=0, step_us=1000.0)
@@ -100,5 +96,6 @@ def test_a_shifted_background_shifts_in_every_pixel() -> None:
 @pytest.mark.parametrize("number", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_an_edge_causes_the_given_number_of_events(number: int, sign: int) -> None:
-    array = array_of(sign * EDGE_CONTRAST, theta=threshold(number))
+    default = (SensorConfig().theta_on + SensorConfig().theta_off) / 2.0
+    array = array_of(sign * EDGE_CONTRAST, theta=default * threshold_scale(number))
     assert show(array, 2.0).size == 6 * number

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tyro
@@ -17,6 +18,14 @@ from emulator import (
     with_biases,
 )
 from scenarios.commands.characterise import Characterise
+from scenarios.commands.converge import Converge
+from scenarios.commands.demo import Demo
+from scenarios.commands.emulate import Emulate
+from scenarios.commands.envelope import Envelope
+from scenarios.commands.run import Run
+from scenarios.commands.study import Study
+from scenarios.commands.sweep import Sweep
+from scenarios.commands.velocity_sweep import VelocitySweep
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions, sensor_of
 
@@ -38,14 +47,14 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_without_options_the_sensor_is_the_default() -> None:
-    assert SensorOptions().sensor() == SensorConfig()
+    assert SensorOptions().config() == SensorConfig()
     assert SensorOptions().name == "davis346"
-    assert SensorOptions(preset="ideal").sensor() == preset("ideal")
+    assert SensorOptions("ideal").config() == preset("ideal")
 
 
 def test_values_override_the_file_and_the_file_overrides_the_preset(file: Path) -> None:
     given = ("theta_off=0.3", "aps.read_noise_e=20", "aps.noise=false", "biases.on=[6, 200]")
-    found = SensorOptions(config=file, set=given).sensor()
+    found = SensorOptions(str(file), set=given).config()
     biases = Biases(on=Bias(6, 200), refractory=Bias(4, 10))
     expected = with_biases(preset("dvs128"), biases)
     assert (found.width, found.theta_mismatch) == (128, 0.021)
@@ -57,24 +66,24 @@ def test_values_override_the_file_and_the_file_overrides_the_preset(file: Path) 
 
 def test_the_readout_is_set_by_value_or_by_table(tmp_path: Path) -> None:
     given = ("readout.limit_hz=2e6", "readout.kind=scan")
-    found = SensorOptions(preset="dvxplorer", set=given).sensor()
+    found = SensorOptions("dvxplorer", set=given).config()
     assert found.readout == replace(preset("dvxplorer").readout, limit_hz=2e6)
     file = tmp_path / "bus.toml"
     file.write_text("[readout]\nlatency_us = 7\n", encoding="utf-8")
-    assert SensorOptions(config=file).sensor().readout == ReadoutConfig(latency_us=7)
+    assert SensorOptions(str(file)).config().readout == ReadoutConfig(latency_us=7)
     with pytest.raises(ScenarioError, match=r"readout\.limit"):
-        SensorOptions(set=("readout.limit=3",)).sensor()
+        SensorOptions(set=("readout.limit=3",)).config()
 
 
-def test_the_preset_argument_overrides_the_file(file: Path) -> None:
-    assert SensorOptions(preset="davis240", config=file).sensor().width == 240
+def test_a_preset_given_as_a_value_overrides_that_of_the_file(file: Path) -> None:
+    assert SensorOptions(str(file), set=("preset=davis240",)).config().width == 240
 
 
 def test_the_command_line_takes_the_options() -> None:
-    line = ["--preset", "dvs128", "--set", "theta_on=0.2", "aps.shutter=rolling", "--seed", "3"]
+    line = ["--sensor", "dvs128", "--set", "theta_on=0.2", "aps.shutter=rolling", "--seed", "3"]
     made = tyro.cli(Characterise, args=line)
     assert made.seed == 3
-    assert made.sensor.sensor() == sensor_of(
+    assert made.sensor.config() == sensor_of(
         {"preset": "dvs128", "theta_on": 0.2, "aps": {"shutter": "rolling"}}
     )
 
@@ -88,13 +97,13 @@ def test_the_command_line_takes_the_options() -> None:
     ],
 )
 def test_set_takes_several_values_and_may_be_repeated(line: list[str]) -> None:
-    found = tyro.cli(Characterise, args=line).sensor.sensor()
+    found = tyro.cli(Characterise, args=line).sensor.config()
     assert (found.theta_on, found.theta_off, found.aps.shutter) == (0.25, 0.3, "rolling")
 
 
 def test_a_name_given_twice_is_refused() -> None:
     with pytest.raises(ScenarioError, match="--set has theta_on 2 times"):
-        SensorOptions(set=("theta_on=0.2", "theta_off=0.2", "theta_on=0.3")).sensor()
+        SensorOptions(set=("theta_on=0.2", "theta_off=0.2", "theta_on=0.3")).config()
 
 
 def test_help_explains_the_effect_of_a_bias(capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,7 +144,7 @@ def test_different_sensors_have_different_names() -> None:
 )
 def test_unknown_names_and_malformed_values_are_refused(given: str, words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
-        SensorOptions(set=(given,)).sensor()
+        SensorOptions(set=(given,)).config()
 
 
 @pytest.mark.parametrize(
@@ -155,7 +164,7 @@ def test_unknown_names_and_malformed_values_are_refused(given: str, words: str) 
 )
 def test_values_out_of_range_are_refused_by_the_sensor(given: str, words: str) -> None:
     with pytest.raises(SensorConfigError, match=words):
-        SensorOptions(set=(given,)).sensor()
+        SensorOptions(set=(given,)).config()
 
 
 @pytest.mark.parametrize(
@@ -173,4 +182,54 @@ def test_an_invalid_file_is_refused(tmp_path: Path, content: bytes | None, words
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(ScenarioError, match=words):
-        SensorOptions(config=path).sensor()
+        SensorOptions(str(path)).config()
+
+
+def test_a_value_in_a_file_that_is_out_of_range_is_refused_with_the_name_of_the_file(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "mine"
+    path.write_text("theta_on = -1", encoding="utf-8")
+    with pytest.raises(SensorConfigError, match="mine: theta_on is -1"):
+        SensorOptions(str(path)).config()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("davis364", "--sensor is 'davis364'. Allowed is a TOML file or one of .* davis346?"),
+        ("kodak", "Give the path of an existing file"),
+        ("none.toml", "none.toml cannot be read"),
+        ("", "--sensor is ''"),
+    ],
+)
+def test_a_sensor_that_is_neither_preset_nor_file_is_refused(given: str, words: str) -> None:
+    with pytest.raises(ScenarioError, match=words):
+        SensorOptions(given).config()
+
+
+COMMANDS = (Run, Demo, Emulate, Study, Sweep, VelocitySweep, Envelope, Characterise, Converge)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
+def test_every_command_that_makes_a_sensor_takes_a_file(command: Any, file: Path) -> None:
+    line = ["--sensor", str(file), "--set", "theta_on=0.4"]
+    if command is Emulate:
+        line = ["in.mp4", "--out", "out.npz", *line]
+    made = tyro.cli(command, args=line)
+    assert (made.sensor.config().width, made.sensor.config().theta_on) == (128, 0.4)
+
+
+def test_run_and_study_use_the_sensor_of_the_file(file: Path) -> None:
+    options = SensorOptions(str(file))
+    assert Run(sensor=options).config().sensor == options.config()
+    study = Study(sensor=options, methods=("fly",))
+    assert all(task.sensor == options.config() for task in study.tasks())
+    with pytest.raises(ScenarioError, match="needs APS frames, and the sensor is dvs128"):
+        Study(sensor=options, methods=("frame-fly",)).tasks()
+
+
+def test_the_options_state_the_words_that_repeat_them() -> None:
+    words = SensorOptions("my sensor.toml", set=("theta_on=0.4",)).arguments()
+    assert words == ["--sensor", "'my sensor.toml'", "--set", "theta_on=0.4"]
+    assert SensorOptions().arguments() == []

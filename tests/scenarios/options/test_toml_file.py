@@ -25,7 +25,7 @@ def test_hostile_text_gives_one_sentence(tmp_path: Path, text: str, reason: str)
     with pytest.raises(ScenarioError, match=reason):
         read_toml(path, ScenarioError)
     with pytest.raises(ScenarioError, match="has a value that cannot be read"):
-        SensorOptions(set=("theta_on=" + text.removeprefix("a = "),)).sensor()
+        SensorOptions(set=("theta_on=" + text.removeprefix("a = "),)).config()
 
 
 def test_integers_of_64_bits_are_read() -> None:

@@ -3,6 +3,7 @@ import pytest
 from emulator.presets import WITHOUT_FRAMES, PresetName
 from scenarios.commands.run import Run
 from scenarios.errors import ScenarioError
+from scenarios.options.sensor import SensorOptions
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.sweep.parameters import make_config
 
@@ -20,7 +21,7 @@ def test_a_detector_of_frames_is_accepted_on_a_chip_with_them() -> None:
 
 def test_run_refuses_it_before_it_renders() -> None:
     with pytest.raises(ScenarioError, match="needs APS frames"):
-        Run(sensor="imx636", also=("frame-fly",)).execute()
+        Run(sensor=SensorOptions("imx636"), also=("frame-fly",)).execute()
 
 
 def test_a_sweep_refuses_it_before_its_first_point() -> None:

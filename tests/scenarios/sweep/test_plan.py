@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from flybench.direction import Direction
+from scenarios.options.sensor import SensorOptions
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.sweep.plan import Plan, read_plan
 from scenarios.sweep.sweep_file import SweepFileError
@@ -194,3 +195,18 @@ def test_a_long_axis_takes_no_quadratic_time(tmp_path: Path) -> None:
     path.write_text(f"[grid]\nseed = {list(range(150_000))}\n")
     with pytest.raises(SweepFileError, match="The sweep has 150,000 points"):
         read_plan(path)
+
+
+def test_a_sensor_of_the_command_line_is_the_base_of_every_point(tmp_path: Path) -> None:
+    file = tmp_path / "sweep.toml"
+    file.write_text("[grid]\nsensor.theta_on = [0.3, 0.4]\n", encoding="utf-8")
+    options = SensorOptions("dvs128", set=("theta_off=0.5",))
+    sensors = [point.config.sensor for point in read_plan(file, options).points]
+    assert [(s.width, s.theta_on, s.theta_off) for s in sensors] == [
+        (128, 0.3, 0.5),
+        (128, 0.4, 0.5),
+    ]
+    file.write_text('seeds = 2\n[fixed]\nsensor.preset = "davis240"\n', encoding="utf-8")
+    assert read_plan(file).points[0].config.sensor.width == 240
+    with pytest.raises(SweepFileError, match=r"sensor.preset is 'davis240', and a sensor is given"):
+        read_plan(file, options)
