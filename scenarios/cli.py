@@ -7,6 +7,7 @@ from typing import Annotated
 from tyro.conf import subcommand
 
 from flybench.version import __version__
+from scenarios.commands.calibrate import Calibrate
 from scenarios.commands.characterise import Characterise
 from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
@@ -41,6 +42,7 @@ Commands = (
     | Annotated[Sweep, subcommand("sweep")]
     | Annotated[VelocitySweep, subcommand("velocity-sweep")]
     | Annotated[Envelope, subcommand("envelope")]
+    | Annotated[Calibrate, subcommand("calibrate")]
     | Annotated[Characterise, subcommand("characterise")]
     | Annotated[Converge, subcommand("converge")]
     | Annotated[View, subcommand("view")]

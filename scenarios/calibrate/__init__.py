@@ -1,0 +1,1 @@
+"""Calibration: the parameters of a sensor, estimated from a recording with frames."""

@@ -1,0 +1,246 @@
+"""Noise of the photoreceptor and leak, from the events of quiet pixels against their illuminance.
+
+The equations of the pixel model give the rates of ON and OFF events of pixels in constant light
+(`emulator.characterisation.settled_rates`). Noise, leak and the cutoff per lux are those under
+which the counts are most likely. Leak alone gives ON events; noise gives both polarities, and the
+more equal they are the more it prevails: θ_on·R_on − θ_off·R_off is the leak, whatever the noise,
+as long as the noise is slower than the refractory period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import minimize
+
+from emulator import SensorConfig
+from emulator.characterisation import Plot, Section, Style
+from emulator.characterisation.section import series
+from emulator.characterisation.settled_rates import settled_rates
+from emulator.noise.leak import TAIL_FACTOR
+from scenarios.calibrate.fit import Fit, Parameter, unknown
+from scenarios.calibrate.quiet_time import QuietTime
+
+_FEWEST_PIXELS = 50
+_LEAST_SECONDS = 5.0
+"""Least quiet time of a class, over all its pixels [s] (assumed)."""
+_FEWEST_OFF, _FEWEST_ON = 30, 50
+"""Fewest OFF events that tell the noise, and ON events that tell the leak (assumed)."""
+_MOST_ERROR = 0.15
+"""Largest standard error of a logarithm that counts as told (assumed)."""
+_LEAST_LEAK_SHARE = 0.3
+"""Least share of the leak in the ON events of a class of pixels that tells the leak (assumed)."""
+_STEP = 0.05
+_BOUNDS = ((math.log(1e-3), math.log(1.0)), (math.log(1e-4), math.log(100.0)), (-7.0, 12.0))
+"""Ranges of the logarithms of σ0, leak [Hz] and cutoff per lux [Hz/lux]."""
+
+F64 = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LightClasses:
+    """Events of the quiet pixels in classes of illuminance, each (n,).
+
+    Attributes:
+        lux: mean illuminance [lux].
+        seconds: quiet time of all pixels together [s].
+        on: number of ON events.
+        off: number of OFF events.
+        pixels: number of pixels.
+        excess: variance of the counts of the pixels over their mean, at least 1.
+    """
+
+    lux: F64
+    seconds: F64
+    on: F64
+    off: F64
+    pixels: F64
+    excess: F64
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseFit:
+    """Noise and leak.
+
+    Attributes:
+        sensor: the sensor with these values.
+        names: parameters that were fitted.
+        errors: standard error of the logarithm of each.
+        classes: what they were fitted to.
+    """
+
+    sensor: SensorConfig
+    names: tuple[str, ...]
+    errors: tuple[float, ...]
+    classes: LightClasses
+
+    @property
+    def leak_share(self) -> float:
+        """Largest share of the leak in the ON events of a class with enough of them."""
+        c = self.classes
+        leak = self.sensor.warm_leak_hz + self.sensor.leak_hz_per_lux * c.lux
+        share = mean_leak_factor(self.sensor) * leak * c.seconds / np.maximum(c.on, 1.0)
+        return float(share[c.on >= _FEWEST_ON / 2].max(initial=0.0))
+
+    def error(self, name: str) -> float:
+        """Return the standard error of the logarithm of a parameter; infinite if not fitted."""
+        return dict(zip(self.names, self.errors, strict=True)).get(name, math.inf)
+
+
+def light_classes(quiet: QuietTime) -> LightClasses:
+    """Return the quiet pixels in classes of illuminance, a factor of three wide."""
+    octave = np.floor(np.log(np.maximum(quiet.lux, 1e-3)) / math.log(3.0)).astype(np.int64)
+    rows = []
+    for number in np.unique(octave):
+        part = quiet.of(octave == number)
+        seconds = float(part.seconds.sum())
+        if part.lux.size < _FEWEST_PIXELS or seconds < _LEAST_SECONDS:
+            continue
+        counts = part.on + part.off
+        excess = max(1.0, float(counts.var()) / max(float(counts.mean()), 1e-9))
+        lux = float(np.average(part.lux, weights=part.seconds))
+        rows.append((lux, seconds, part.on.sum(), part.off.sum(), part.lux.size, excess))
+    return LightClasses(*np.array(rows, np.float64).reshape(-1, 6).T)
+
+
+def mean_leak_factor(sensor: SensorConfig) -> float:
+    """Return the mean leak of the pixels over the median."""
+    tail = sensor.leak_tail_fraction
+    return (1.0 - tail) * math.exp(sensor.leak_spread**2 / 2) + tail * TAIL_FACTOR * math.exp(
+        sensor.leak_tail_spread**2 / 2
+    )
+
+
+def fit_noise(quiet: QuietTime, sensor: SensorConfig) -> NoiseFit | None:
+    """Estimate noise, leak and, if it shows, the cutoff per lux; None without quiet pixels.
+
+    Args:
+        quiet: the quiet pixels.
+        sensor: thresholds, mismatch, refractory period, and the start of the fit.
+    """
+    classes = light_classes(quiet)
+    if classes.lux.size == 0:
+        return None
+    names: tuple[str, ...] = ("noise_sigma", "leak_hz")
+    best, errors = _fit(classes, sensor, names)
+    if classes.lux.size >= 4:
+        more = (*names, "bandwidth_hz_per_lux")
+        found, found_errors = _fit(classes, best, more)
+        if found_errors[2] <= 2.0 * _MOST_ERROR:
+            return NoiseFit(found, more, found_errors, classes)
+    return NoiseFit(best, names, errors, classes)
+
+
+def _fit(
+    classes: LightClasses, sensor: SensorConfig, names: tuple[str, ...]
+) -> tuple[SensorConfig, tuple[float, ...]]:
+    """Return the most likely sensor, and the standard error of the logarithm of each parameter."""
+    bounds = np.array(_BOUNDS[: len(names)])
+
+    def loss(logs: F64) -> float:
+        inside = np.clip(logs, bounds[:, 0], bounds[:, 1])
+        beyond = float(np.abs(logs - inside).sum())
+        return _loss(classes, _changed(sensor, names, inside)) + 100.0 * beyond
+
+    start = np.log([max(getattr(sensor, name), 0.01) for name in names])
+    simplex = np.vstack([start, start + 0.3 * np.eye(len(names))])
+    options = {"xatol": 0.003, "fatol": 0.01, "maxfev": 120, "initial_simplex": simplex}
+    found = minimize(loss, start, method="Nelder-Mead", options=options)
+    logs = np.clip(found.x, bounds[:, 0], bounds[:, 1])
+    return _changed(sensor, names, logs), _errors(loss, logs)
+
+
+def _changed(sensor: SensorConfig, names: tuple[str, ...], logs: F64) -> SensorConfig:
+    return replace(sensor, **dict(zip(names, np.exp(logs).tolist(), strict=True)))
+
+
+def _loss(classes: LightClasses, sensor: SensorConfig) -> float:
+    """Return minus the log likelihood of the counts, divided by their excess variance."""
+    rates = settled_rates(sensor, classes.lux, leak_factor=mean_leak_factor(sensor))
+    expected = np.maximum(rates.T * classes.seconds, 1e-6)
+    counts = np.stack([classes.on, classes.off])
+    return float(((expected - counts * np.log(expected)) / classes.excess).sum())
+
+
+def _errors(loss: Callable[[F64], float], logs: F64) -> tuple[float, ...]:
+    """Return standard errors from the curvature of the log likelihood."""
+    size = logs.size
+    steps = _STEP * np.eye(size)
+    curvature = np.empty((size, size))
+    for i in range(size):
+        for j in range(size):
+            signs = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+            values = [s * t * loss(logs + s * steps[i] + t * steps[j]) for s, t in signs]
+            curvature[i, j] = sum(values) / (4.0 * _STEP**2)
+    try:
+        variances = np.diag(np.linalg.inv(curvature))
+    except np.linalg.LinAlgError:
+        return (math.inf,) * size
+    return tuple(math.sqrt(v) if v > 0.0 else math.inf for v in variances.tolist())
+
+
+def noise_page(fit: NoiseFit | None) -> Fit:
+    """Return noise, cutoff and leak, and the rates against illuminance."""
+    title = "Noise and leak of quiet pixels"
+    method = (
+        "Rates of pixels whose light does not change, in classes of illuminance, and the rates "
+        "that the equations of the pixel model give. The illuminance is that which the frames "
+        "show, with the sensitivity of the frames that the sensor states."
+    )
+    names = {"noise_sigma": "ln units", "bandwidth_hz_per_lux": "Hz/lux", "leak_hz": "Hz"}
+    if fit is None:
+        missing = tuple(unknown(n, unit, "no pixel is quiet") for n, unit in names.items())
+        return Fit("noise", missing, Section(title, method, ()))
+    parameters = tuple(_parameter(fit, name, unit) for name, unit in names.items())
+    per_lux = unknown("leak_hz_per_lux", "Hz/lux", "it shows only in light of some 1000 lux")
+    section = Section(title, method, (), [_plot(fit)])
+    return Fit("noise", (*parameters, per_lux), section)
+
+
+def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
+    classes, error = fit.classes, fit.error(name)
+    value = float(getattr(fit.sensor, name))
+    on, off = int(classes.on.sum()), int(classes.off.sum())
+    if name == "leak_hz":
+        number, fewest, kind = on, _FEWEST_ON, "ON"
+    else:
+        number, fewest, kind = off, _FEWEST_OFF, "OFF"
+    if number < fewest:
+        return unknown(name, unit, f"quiet pixels give {number} {kind} events, fewer than {fewest}")
+    if name == "leak_hz" and fit.leak_share < _LEAST_LEAK_SHARE:
+        return unknown(name, unit, "noise hides it at every illuminance of the quiet pixels")
+    if error > 2.0 * _MOST_ERROR:
+        reason = "the rates of quiet pixels hardly depend on it"
+        return unknown(name, unit, reason)
+    interval = value * math.exp(-1.96 * error), value * math.exp(1.96 * error)
+    seconds, pixels = float(classes.seconds.sum()), int(classes.pixels.sum())
+    evidence = (
+        f"from {on:,} ON and {off:,} OFF events of {pixels:,} quiet pixels in {seconds:,.0f} "
+        f"pixel seconds, {classes.lux[0]:.2g} to {classes.lux[-1]:.2g} lux"
+    )
+    return Parameter(name, unit, value, interval, evidence)
+
+
+def _plot(fit: NoiseFit) -> Plot:
+    classes = fit.classes
+    low, high = 0.5 * float(classes.lux.min()), 2.0 * float(classes.lux.max())
+    lux = np.geomspace(low, high, 25)
+    rates = settled_rates(fit.sensor, lux, leak_factor=mean_leak_factor(fit.sensor))
+    curves = []
+    for k, (name, counts) in enumerate((("ON", classes.on), ("OFF", classes.off))):
+        seen = np.where(counts > 0, counts / classes.seconds, np.nan)
+        curves.append(series(name, classes.lux, seen, Style.POINTS, k))
+        shown = np.where(rates[:, k] > 1e-5, rates[:, k], np.nan)
+        curves.append(series(f"{name}, fit", lux, shown, Style.LINE, k))
+    return Plot(
+        "Events of quiet pixels",
+        "illuminance on the chip [lux]",
+        "rate of a pixel [Hz]",
+        curves,
+        x_log=True,
+        y_log=True,
+    )
