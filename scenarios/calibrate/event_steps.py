@@ -45,10 +45,12 @@ class EventSteps:
     Attributes:
         gain: (n,) thresholds.
         shift: (n,) change besides, positive upwards [ln units].
+        lag_us: (pixels,) time by which the output of each pixel lags behind the light [µs].
     """
 
     gain: F32
     shift: F32
+    lag_us: F64
 
 
 def event_steps(
@@ -79,7 +81,7 @@ def event_steps(
         gain,
         shift,
     )
-    return EventSteps(gain, shift)
+    return EventSteps(gain, shift, 1.0 / per_tau)
 
 
 def noise_by_pixel(lux: F64, sensor: SensorConfig) -> tuple[F64, F64]:

@@ -72,6 +72,7 @@ def predict_frames(
         steps.shift,
         pixels,
         pixels // columns / rows,
+        steps.lag_us[pixels],
         starts,
         ends,
         rolling,
@@ -93,6 +94,7 @@ def _predict(
     shift: Any,
     pixels: Any,
     heights: Any,
+    lags: Any,
     starts: Any,
     ends: Any,
     rolling: Any,
@@ -109,8 +111,8 @@ def _predict(
         ups = downs = moved = 0.0
         polarity = 0
         for k in range(starts.size):
-            start_us = starts[k] + heights[i] * rolling[k]
-            end_us = ends[k] + heights[i] * rolling[k]
+            start_us = starts[k] + heights[i] * rolling[k] + lags[i]
+            end_us = ends[k] + heights[i] * rolling[k] + lags[i]
             while n < last and t[n] <= start_us:
                 ups += gain[n] if on[n] else 0.0
                 downs += 0.0 if on[n] else gain[n]
