@@ -35,6 +35,8 @@ _MOST_ERROR = 0.15
 _LEAST_LEAK_SHARE = 0.3
 """Least share of the leak in the ON events of a class of pixels that tells the leak (assumed)."""
 _STEP = 0.05
+_DARKEST = 1e-3
+"""Illuminance below which all pixels are one class [lux]."""
 _BOUNDS = ((math.log(1e-3), math.log(1.0)), (math.log(1e-4), math.log(100.0)), (-7.0, 12.0))
 """Ranges of the logarithms of σ0, leak [Hz] and cutoff per lux [Hz/lux]."""
 
@@ -71,12 +73,14 @@ class NoiseFit:
         names: parameters that were fitted.
         errors: standard error of the logarithm of each.
         classes: what they were fitted to.
+        start: sensor from which the fit started.
     """
 
     sensor: SensorConfig
     names: tuple[str, ...]
     errors: tuple[float, ...]
     classes: LightClasses
+    start: SensorConfig
 
     @property
     def leak_share(self) -> float:
@@ -86,6 +90,13 @@ class NoiseFit:
         share = mean_leak_factor(self.sensor) * leak * c.seconds / np.maximum(c.on, 1.0)
         return float(share[c.on >= _FEWEST_ON / 2].max(initial=0.0))
 
+    @property
+    def most_leak_hz(self) -> float:
+        """Highest median leak that the ON events of every class allow, with 95 % confidence."""
+        c = self.classes
+        most = (c.on + 2.0 * np.sqrt(c.excess * (c.on + 1.0))) / c.seconds
+        return float(most.min()) / mean_leak_factor(self.sensor)
+
     def error(self, name: str) -> float:
         """Return the standard error of the logarithm of a parameter; infinite if not fitted."""
         return dict(zip(self.names, self.errors, strict=True)).get(name, math.inf)
@@ -93,7 +104,7 @@ class NoiseFit:
 
 def light_classes(quiet: QuietTime) -> LightClasses:
     """Return the quiet pixels in classes of illuminance, a factor of three wide."""
-    octave = np.floor(np.log(np.maximum(quiet.lux, 1e-3)) / math.log(3.0)).astype(np.int64)
+    octave = np.floor(np.log(np.maximum(quiet.lux, _DARKEST)) / math.log(3.0)).astype(np.int64)
     rows = []
     for number in np.unique(octave):
         part = quiet.of(octave == number)
@@ -131,8 +142,8 @@ def fit_noise(quiet: QuietTime, sensor: SensorConfig) -> NoiseFit | None:
         more = (*names, "bandwidth_hz_per_lux")
         found, found_errors = _fit(classes, best, more)
         if found_errors[2] <= 2.0 * _MOST_ERROR:
-            return NoiseFit(found, more, found_errors, classes)
-    return NoiseFit(best, names, errors, classes)
+            return NoiseFit(found, more, found_errors, classes, sensor)
+    return NoiseFit(best, names, errors, classes, sensor)
 
 
 def _fit(
@@ -211,7 +222,8 @@ def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
         number, fewest, kind = off, _FEWEST_OFF, "OFF"
     if number < fewest:
         return unknown(name, unit, f"quiet pixels give {number} {kind} events, fewer than {fewest}")
-    if name == "leak_hz" and fit.leak_share < _LEAST_LEAK_SHARE:
+    hidden = fit.leak_share < _LEAST_LEAK_SHARE and fit.most_leak_hz > fit.start.leak_hz
+    if name == "leak_hz" and hidden:
         return unknown(name, unit, "noise hides it at every illuminance of the quiet pixels")
     if error > 2.0 * _MOST_ERROR:
         reason = "the rates of quiet pixels hardly depend on it"
@@ -227,13 +239,13 @@ def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
 
 def _plot(fit: NoiseFit) -> Plot:
     classes = fit.classes
-    low, high = 0.5 * float(classes.lux.min()), 2.0 * float(classes.lux.max())
-    lux = np.geomspace(low, high, 25)
+    shown_lux = np.maximum(classes.lux, _DARKEST)
+    lux = np.geomspace(0.5 * shown_lux.min(), 2.0 * shown_lux.max(), 25)
     rates = settled_rates(fit.sensor, lux, leak_factor=mean_leak_factor(fit.sensor))
     curves = []
     for k, (name, counts) in enumerate((("ON", classes.on), ("OFF", classes.off))):
         seen = np.where(counts > 0, counts / classes.seconds, np.nan)
-        curves.append(series(name, classes.lux, seen, Style.POINTS, k))
+        curves.append(series(name, shown_lux, seen, Style.POINTS, k))
         shown = np.where(rates[:, k] > 1e-5, rates[:, k], np.nan)
         curves.append(series(f"{name}, fit", lux, shown, Style.LINE, k))
     return Plot(

@@ -3,7 +3,8 @@
 The sensor is fitted to the first half. Then the frames of the second half, interpolated by optical
 flow, are shown to two emulated sensors, the fitted one and the one from which the fits started.
 Their events are compared with those of the camera, pixel by pixel. The error is the mean absolute
-difference of the number of events of a pixel and polarity, |n − n_camera|.
+difference of the number of events of a pixel and polarity, |n − n_camera|. A pixel of the frames
+keeps its light until it changes by more than their noise, which is not the noise of events.
 """
 
 from __future__ import annotations
@@ -18,12 +19,17 @@ from emulator import EventSensor, SensorConfig
 from emulator.pixel.optics import lux_per_cd_m2
 from flybench.events import Events
 from scenarios.calibrate.calibration import calibrate
+from scenarios.calibrate.frame_noise import frame_noise
 from scenarios.calibrate.recording import CalibrationRecording
 from scenarios.emulate.luminance_samples import STEP_PX
 from scenarios.emulate.motion import MotionMeter, interpolated, interpolation_count
 from scenarios.errors import ScenarioError
 
+_DEVIATIONS = 5.0
+"""Standard deviations of a change that is no noise of the frames (assumed)."""
+
 F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
 
 
@@ -102,8 +108,7 @@ def _samples(recording: CalibrationRecording, sensor: SensorConfig) -> Iterator[
     starts, ends, _ = recording.exposures_us()
     middles = (starts + ends) // 2
     before: F32 | None = None
-    for k, frame in enumerate(recording.frames):
-        lux = frame.image * recording.lux_per_level[k]
+    for k, lux in enumerate(_without_noise(recording)):
         luminance = np.asarray(lux / per_cd_m2, np.float32)
         if before is not None:
             forward = meter.flow_px(before, luminance)
@@ -113,3 +118,15 @@ def _samples(recording: CalibrationRecording, sensor: SensorConfig) -> Iterator[
                 yield round(middles[k - 1] + share * (middles[k] - middles[k - 1])), mixed
         yield int(middles[k]), luminance
         before = luminance
+
+
+def _without_noise(recording: CalibrationRecording) -> Iterator[F64]:
+    """Yield the illuminance of each frame [lux]; a pixel keeps it until it changes beyond noise."""
+    noise = frame_noise(recording)
+    held = recording.frames[0].image * recording.lux_per_level[0]
+    yield held
+    for k, frame in enumerate(recording.frames[1:], start=1):
+        lux = recording.lux_per_level[k]
+        change = np.abs(frame.image * lux - held)
+        held = np.where(change > _DEVIATIONS * noise[k - 1] * lux, frame.image * lux, held)
+        yield held
