@@ -1,0 +1,72 @@
+"""Parameters of three different sensors, from recordings of a moving texture."""
+
+import pytest
+
+from emulator import SensorConfig
+from scenarios.calibrate.calibration import Calibration, calibrate
+from scenarios.calibrate.recording import from_aps
+from tests.scenarios.calibrate.moving_texture import HEIGHT, WIDTH, recorded
+
+SIZE = {"width": WIDTH, "height": HEIGHT}
+SENSORS = {
+    "like the default": SensorConfig(
+        **SIZE, noise_sigma=0.05, follower_hz=1000.0, refractory_us=200
+    ),
+    "sensitive": SensorConfig(
+        **SIZE,
+        theta_on=0.15,
+        theta_off=0.12,
+        theta_mismatch=0.015,
+        refractory_us=270,
+        follower_hz=1000.0,
+        noise_sigma=0.025,
+        leak_hz=0.2,
+    ),
+    "dull, fast and noisy": SensorConfig(
+        **SIZE,
+        theta_on=0.45,
+        theta_off=0.40,
+        theta_mismatch=0.04,
+        refractory_us=150,
+        follower_hz=0.0,
+        bandwidth_hz_per_lux=200.0,
+        bandwidth_limit_hz=2000.0,
+        noise_sigma=0.08,
+        leak_hz=0.1,
+    ),
+}
+
+
+def start_for(sensor: SensorConfig) -> SensorConfig:
+    """The default sensor, with the limits of the bandwidth, which a recording does not tell."""
+    return SensorConfig(
+        follower_hz=sensor.follower_hz, bandwidth_limit_hz=sensor.bandwidth_limit_hz
+    )
+
+
+@pytest.fixture(scope="module", params=SENSORS, ids=str)
+def both(request: pytest.FixtureRequest) -> tuple[SensorConfig, Calibration]:
+    sensor = SENSORS[request.param]
+    events, frames = recorded(sensor)
+    recording = from_aps(events, frames, sensor.aps, name="made")
+    return sensor, calibrate(recording, start_for(sensor))
+
+
+@pytest.mark.parametrize(
+    ("name", "within"),
+    [
+        ("theta_on", 0.07),
+        ("theta_off", 0.07),
+        ("theta_mismatch", 0.25),
+        ("refractory_us", 0.10),
+        ("noise_sigma", 0.20),
+        ("leak_hz", 0.20),
+        ("bandwidth_hz_per_lux", 0.40),
+    ],
+)
+def test_a_parameter_is_that_of_the_sensor(
+    both: tuple[SensorConfig, Calibration], name: str, within: float
+) -> None:
+    sensor, calibration = both
+    found = next(p for p in calibration.parameters if p.name == name)
+    assert found.value == pytest.approx(getattr(sensor, name), rel=within), found.evidence
