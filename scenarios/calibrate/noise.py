@@ -34,6 +34,8 @@ _MOST_ERROR = 0.15
 """Largest standard error of a logarithm that counts as told (assumed)."""
 _LEAST_LEAK_SHARE = 0.3
 """Least share of the leak in the ON events of a class of pixels that tells the leak (assumed)."""
+_LEAST_SETTLED = 0.5
+"""Least share of pixels that were still from the start and tell the leak (assumed)."""
 _STEP = 0.05
 _DARKEST = 1e-3
 """Illuminance below which all pixels are one class [lux]."""
@@ -54,6 +56,7 @@ class LightClasses:
         off: number of OFF events.
         pixels: number of pixels.
         excess: variance of the counts of the pixels over their mean, at least 1.
+        settled: share of the pixels whose quiet time starts with the recording.
     """
 
     lux: F64
@@ -62,6 +65,7 @@ class LightClasses:
     off: F64
     pixels: F64
     excess: F64
+    settled: F64
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,14 @@ class NoiseFit:
         return float(share[c.on >= _FEWEST_ON / 2].max(initial=0.0))
 
     @property
+    def has_settled(self) -> bool:
+        """True if pixels had settled, at the start of the recording or long after motion."""
+        c = self.classes
+        mean_s = float(c.seconds.sum() / c.pixels.sum())
+        settled = float(np.average(c.settled, weights=c.pixels))
+        return settled >= _LEAST_SETTLED or mean_s * self.sensor.leak_hz > 1.0
+
+    @property
     def most_leak_hz(self) -> float:
         """Highest median leak that the ON events of every class allow, with 95 % confidence."""
         c = self.classes
@@ -114,8 +126,9 @@ def light_classes(quiet: QuietTime) -> LightClasses:
         counts = part.on + part.off
         excess = max(1.0, float(counts.var()) / max(float(counts.mean()), 1e-9))
         lux = float(np.average(part.lux, weights=part.seconds))
-        rows.append((lux, seconds, part.on.sum(), part.off.sum(), part.lux.size, excess))
-    return LightClasses(*np.array(rows, np.float64).reshape(-1, 6).T)
+        number = part.on.sum(), part.off.sum(), part.lux.size
+        rows.append((lux, seconds, *number, excess, part.settled.mean()))
+    return LightClasses(*np.array(rows, np.float64).reshape(-1, 7).T)
 
 
 def mean_leak_factor(sensor: SensorConfig) -> float:
@@ -225,6 +238,12 @@ def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
     hidden = fit.leak_share < _LEAST_LEAK_SHARE and fit.most_leak_hz > fit.start.leak_hz
     if name == "leak_hz" and hidden:
         return unknown(name, unit, "noise hides it at every illuminance of the quiet pixels")
+    if name == "leak_hz" and not fit.has_settled:
+        reason = (
+            "after motion, pixels need a leak period to settle, so the camera has to be still "
+            f"first; it would be {value:.2g} Hz if they had settled"
+        )
+        return unknown(name, unit, reason)
     if error > 2.0 * _MOST_ERROR:
         reason = "the rates of quiet pixels hardly depend on it"
         return unknown(name, unit, reason)

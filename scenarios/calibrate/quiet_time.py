@@ -22,6 +22,8 @@ _DEVIATIONS = 5.0
 """Standard deviations of a change that is no noise of the frames (assumed)."""
 _CALM = 0.9
 """Share of still pixels from which the whole image counts as still (assumed)."""
+_FIRST_COUNTS = 3
+"""Factor by which the first run of still time counts as longer (assumed)."""
 _SETTLING_US, _SETTLING_SHARE = 1_000_000, 0.33
 """Time that pixels need to settle, and the largest share of the still time for it (assumed)."""
 
@@ -39,16 +41,25 @@ class QuietTime:
         seconds: (n,) quiet time of each [s].
         on: (n,) ON events in this time.
         off: (n,) OFF events in this time.
+        settled: (n,) True if the time starts with the recording. After motion, the memory of a
+            pixel can be anywhere between the thresholds, and leak takes long to reach one.
     """
 
     lux: F64
     seconds: F64
     on: I64
     off: I64
+    settled: B1
 
     def of(self, chosen: B1) -> QuietTime:
         """Return some of the pixels."""
-        return QuietTime(self.lux[chosen], self.seconds[chosen], self.on[chosen], self.off[chosen])
+        return QuietTime(
+            self.lux[chosen],
+            self.seconds[chosen],
+            self.on[chosen],
+            self.off[chosen],
+            self.settled[chosen],
+        )
 
 
 def quiet_time(recording: CalibrationRecording) -> QuietTime:
@@ -59,14 +70,14 @@ def quiet_time(recording: CalibrationRecording) -> QuietTime:
     # What is too dark for the frames may be quiet at least while the whole image is still.
     common = _quiet_pixels(recording, still & calm[:, None, None])
     known = own[0] | common[0]
-    lux, seconds, on, off = (
+    lux, seconds, on, off, settled = (
         np.where(own[0], first, second)[known]
         for first, second in zip(own[1:], common[1:], strict=True)
     )
-    return QuietTime(lux, seconds, on, off)
+    return QuietTime(lux, seconds, on, off, settled)
 
 
-def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, F64, I64, I64]:
+def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, F64, I64, I64, B1]:
     """Return which pixels are quiet in their longest still time, and what is known of this time.
 
     Args:
@@ -74,9 +85,11 @@ def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, 
         still: (frames − 1, rows, columns) True where the light does not change.
 
     Returns:
-        True at quiet pixels, illuminance [lux], time [s], ON events and OFF events, each (pixels,).
+        True at quiet pixels, illuminance [lux], time [s], ON events, OFF events, and True at those
+        whose time starts with the recording, each (pixels,).
     """
     begin, end = longest_runs(still)
+    settled = begin == 0
     begin = _settled(recording, begin, end)
     lux, below = _light_within(recording, begin, end)
     starts, ends, _ = recording.exposures_us()
@@ -94,11 +107,13 @@ def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, 
         np.bincount(pixel[kept & (events["p"] == is_on)], minlength=rows * columns)
         for is_on in (True, False)
     )
-    return quiet, lux, seconds, on, off
+    return quiet, lux, seconds, on, off, settled
 
 
 def longest_runs(still: B1) -> tuple[I64, I64]:
     """Return begin and end of the longest run of True of each pixel, each (pixels,).
+
+    The first run counts as longer than it is, since pixels have settled in it.
 
     Args:
         still: (intervals, rows, columns).
@@ -106,18 +121,19 @@ def longest_runs(still: B1) -> tuple[I64, I64]:
     flat = still.reshape(len(still), -1)
     begin, end, since = (np.zeros(flat.shape[1], np.int64) for _ in range(3))
     for k, now in enumerate(flat):
-        longer = now & (k + 1 - since > end - begin)
+        weight = np.where(begin == 0, _FIRST_COUNTS, 1)
+        longer = now & ((k + 1 - since > weight * (end - begin)) | (since == begin))
         begin, end = np.where(longer, since, begin), np.where(longer, k + 1, end)
         since = np.where(now, since, k + 1)
     return begin, end
 
 
 def _settled(recording: CalibrationRecording, begin: I64, end: I64) -> I64:
-    """Return the frame from which pixels have settled: motion leaves many near a threshold."""
+    """Return the frame from which noise has settled: motion leaves pixels near a threshold."""
     starts, _, _ = recording.exposures_us()
     waited = np.minimum(_SETTLING_US, (starts[end] - starts[begin]) * _SETTLING_SHARE)
     found = np.searchsorted(starts, starts[begin] + waited)
-    return np.asarray(np.minimum(found, end))
+    return np.asarray(np.where(begin == 0, 0, np.minimum(found, end)))
 
 
 def _light_within(recording: CalibrationRecording, begin: I64, end: I64) -> tuple[F64, B1]:

@@ -25,7 +25,8 @@ _SHORTEST = 1000
 _FEWEST = 200
 _WIDEST = 0.5
 """Largest range of the shortest intervals, over the edge, that shows a reset (assumed)."""
-_EXPONENTS = np.arange(0.0, 8.1, 0.5)
+_EXPONENTS = np.arange(0.0, 3.1, 0.5)
+"""Exponents that are tried; higher ones would put the edge far below all intervals."""
 _OUTLIERS = (1e-4, 1e-3, 1e-2)
 _HALF_WIDTH = 1.92
 """Fall of the log likelihood at the ends of a 95 % interval (Wilks 1938)."""

@@ -1,4 +1,4 @@
-"""A texture that moves past a sensor and stops, with a lamp that blinks, in known light."""
+"""A texture that is still and then moves past a sensor, and a lamp that blinks, in known light."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -14,7 +14,6 @@ from flybench.events import Events, concatenate_events
 WIDTH, HEIGHT = 96, 64
 SPEED_PX_S = 300.0
 STEP_PX = 0.25
-START_US = 200_000
 LAMP_PX = 12
 LAMP_HZ = 31.0
 LAMP_LUX = (5.0, 1500.0)
@@ -50,19 +49,19 @@ def illuminance(*, move_s: float, still_s: float, seed: int) -> Iterator[tuple[i
         lux[-LAMP_PX:, -LAMP_PX:] = LAMP_LUX[lit]
         return np.asarray(lux)
 
+    start_us = round(1e6 * still_s)
     yield 0, image(0, False)
-    yield START_US, image(0, False)
+    yield start_us // 2, image(0, False)
+    yield start_us, image(0, False)
     lit = False
     steps = int(move_s * 1e6 / step_us)
     for k in range(1, steps + 1):
-        t_us = START_US + k * step_us
+        t_us = start_us + k * step_us
         now = int(2e-6 * LAMP_HZ * t_us) % 2 == 1
         if now != lit:
             yield t_us - step_us + RISE_US, image(k - 1, now)
         lit = now
         yield t_us, image(k, lit)
-    for more_s in (0.5 * still_s, still_s):
-        yield t_us + round(1e6 * more_s), image(steps, lit)
 
 
 @lru_cache(maxsize=4)
