@@ -119,16 +119,18 @@ def _chances(median: float, spread: float, sensor: SensorConfig) -> F64:
     return np.asarray(np.maximum(1.0 - np.abs(x[:, None] - numbers), 0.0).T @ share)
 
 
-def leak_page(fit: SpreadFit | None, quiet: QuietTime) -> Fit:
+def leak_page(fit: SpreadFit | None, quiet: QuietTime, sensor: SensorConfig) -> Fit:
     """Return the spread of the leak and hot pixels, and the counts of the pixels.
 
     Args:
         fit: spread of the leak.
         quiet: the quiet pixels, with hot ones.
+        sensor: the sensor with fitted leak.
     """
     method = (
         "Numbers of ON events of bright quiet pixels, where leak alone gives events. A quiet pixel "
-        f"is hot above {_HOT_HZ:g} Hz, if that is {_HOT_RATIO:g} times the usual rate."
+        f"is hot above {_HOT_HZ:g} Hz, if that is {_HOT_RATIO:g} times the usual rate, and if "
+        "the tail of the leak does not explain it."
     )
     hot = hot_pixels(quiet)
     rates = ((quiet.on + quiet.off) / np.maximum(quiet.seconds, 1e-9))[hot]
@@ -139,19 +141,30 @@ def leak_page(fit: SpreadFit | None, quiet: QuietTime) -> Fit:
         reason = f"{pixels} pixels are quiet, fewer than {_FEWEST}"
         parameters += [unknown(name, "", reason) for name in names]
     else:
-        share, evidence = float(hot.mean()), f"{int(hot.sum())} of {pixels:,} quiet pixels"
+        number, in_tail = int(hot.sum()), pixels * _tail_share(sensor)
+        is_more = number > in_tail + 3.0 * math.sqrt(in_tail) + 1.0
+        evidence = f"{number} of {pixels:,} quiet pixels, {in_tail:.2g} of which the leak explains"
+        share = (number - in_tail) / pixels if is_more else 0.0
+        rates = rates if is_more else rates[:0]
         parameters.append(Parameter("hot_fraction", "", share, None, evidence))
         ends = ("hot_hz_min", rates.min(initial=np.inf)), ("hot_hz_max", rates.max(initial=0.0))
         parameters += [
             Parameter(name, "Hz", float(value), None, evidence)
             if rates.size
-            else unknown(name, "Hz", "no quiet pixel is hot")
+            else unknown(name, "Hz", "no pixels are hot but those in the leak's tail")
             for name, value in ends
         ]
     plots = [] if fit is None else [_plot(fit)]
     rows = (Quantity("quiet pixels", "", float(pixels)),)
     section = Section("Leak over the pixels, and hot pixels", method, rows, plots)
     return Fit("leak", tuple(parameters), section)
+
+
+def _tail_share(sensor: SensorConfig) -> float:
+    """Return the share of pixels whose leak alone exceeds the limit of hot pixels."""
+    leak_hz = max(sensor.warm_leak_hz, 1e-9) * TAIL_FACTOR
+    deviations = math.log(_HOT_HZ / leak_hz) / max(sensor.leak_tail_spread, 1e-3)
+    return 0.5 * sensor.leak_tail_fraction * math.erfc(deviations / math.sqrt(2.0))
 
 
 def _spread_parameter(fit: SpreadFit | None) -> Parameter:

@@ -26,6 +26,8 @@ from scenarios.calibrate.fit import Fit, Parameter, unknown
 from scenarios.calibrate.quiet_time import QuietTime
 
 _FEWEST_PIXELS = 50
+_FEWEST_CLASSES = 4
+"""Fewest classes of illuminance that tell the cutoff per lux (assumed)."""
 _LEAST_SECONDS = 5.0
 """Least quiet time of a class, over all its pixels [s] (assumed)."""
 _FEWEST_OFF, _FEWEST_ON = 30, 50
@@ -139,19 +141,20 @@ def mean_leak_factor(sensor: SensorConfig) -> float:
     )
 
 
-def fit_noise(quiet: QuietTime, sensor: SensorConfig) -> NoiseFit | None:
+def fit_noise(quiet: QuietTime, sensor: SensorConfig, *, cutoff: bool = True) -> NoiseFit | None:
     """Estimate noise, leak and, if it shows, the cutoff per lux; None without quiet pixels.
 
     Args:
         quiet: the quiet pixels.
         sensor: thresholds, mismatch, refractory period, and the start of the fit.
+        cutoff: False to keep the cutoff per lux.
     """
     classes = light_classes(quiet)
     if classes.lux.size == 0:
         return None
     names: tuple[str, ...] = ("noise_sigma", "leak_hz")
     best, errors = _fit(classes, sensor, names)
-    if classes.lux.size >= 4:
+    if cutoff and classes.lux.size >= _FEWEST_CLASSES:
         more = (*names, "bandwidth_hz_per_lux")
         found, found_errors = _fit(classes, best, more)
         if found_errors[2] <= 2.0 * _MOST_ERROR:
