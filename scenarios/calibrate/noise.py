@@ -34,7 +34,7 @@ _FEWEST_OFF, _FEWEST_ON = 30, 50
 """Fewest OFF events that tell the noise, and ON events that tell the leak (assumed)."""
 _MOST_ERROR = 0.15
 """Largest standard error of a logarithm that counts as told (assumed)."""
-_LEAST_LEAK_SHARE = 0.3
+_LEAST_LEAK_SHARE = 0.1
 """Least share of the leak in the ON events of a class of pixels that tells the leak (assumed)."""
 _LEAST_SETTLED = 0.5
 """Least share of pixels that were still from the start and tell the leak (assumed)."""

@@ -22,6 +22,8 @@ _DEVIATIONS = 5.0
 """Standard deviations of a change that is no noise of the frames (assumed)."""
 _CALM = 0.9
 """Share of still pixels from which the whole image counts as still (assumed)."""
+_DARKEST_DN = 8.0
+"""Lowest mean level that tells the illuminance: two steps of a converter with 8 bits (assumed)."""
 _FIRST_COUNTS = 3
 """Factor by which the first run of still time counts as longer (assumed)."""
 _SETTLING_US, _SETTLING_SHARE = 1_000_000, 0.33
@@ -91,7 +93,7 @@ def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, 
     begin, end = longest_runs(still)
     settled = begin == 0
     begin = _settled(recording, begin, end)
-    lux, below = _light_within(recording, begin, end)
+    lux, known = _light_within(recording, begin, end)
     starts, ends, _ = recording.exposures_us()
     middles = (starts + ends) // 2
     events = recording.events
@@ -102,7 +104,7 @@ def _quiet_pixels(recording: CalibrationRecording, still: B1) -> tuple[B1, F64, 
     pairs = SimultaneousPairs(width=columns, height=rows)
     pairs.add(events[kept])
     longest_us = max(1, round(1e6 * float(seconds.max(initial=0.0))))
-    quiet = pairs.quiet_pixels(longest_us).ravel() & (seconds > 0.0) & below
+    quiet = pairs.quiet_pixels(longest_us).ravel() & (seconds > 0.0) & known
     on, off = (
         np.bincount(pixel[kept & (events["p"] == is_on)], minlength=rows * columns)
         for is_on in (True, False)
@@ -137,15 +139,20 @@ def _settled(recording: CalibrationRecording, begin: I64, end: I64) -> I64:
 
 
 def _light_within(recording: CalibrationRecording, begin: I64, end: I64) -> tuple[F64, B1]:
-    """Return the mean illuminance over the frames from `begin` to `end`, and if none saturates."""
-    total, number = np.zeros(begin.size), np.zeros(begin.size)
+    """Return the mean illuminance over the frames from `begin` to `end`, and if they can tell it.
+
+    They cannot where a frame saturates, or where all are as dark as their black level.
+    """
+    total, levels_sum, number = (np.zeros(begin.size) for _ in range(3))
     below = np.ones(begin.size, np.bool_)
     for k, (frame, lux) in enumerate(zip(recording.frames, recording.lux_per_level, strict=True)):
         inside, levels = (begin <= k) & (k <= end), frame.image.ravel()
         total += np.where(inside, lux * levels, 0.0)
+        levels_sum += np.where(inside, levels, 0)
         number += inside
         below &= ~inside | (levels < recording.saturation)
-    return total / np.maximum(number, 1.0), below
+    number = np.maximum(number, 1.0)
+    return total / number, below & (levels_sum >= _DARKEST_DN * number)
 
 
 def _still_intervals(recording: CalibrationRecording) -> B1:
