@@ -1,9 +1,14 @@
 """Estimates both thresholds from a known modulation of the luminance.
 
 While the logarithm of the luminance rises or falls at a constant rate, so does the output of the
-photoreceptor, and between two consecutive events of a pixel it changes by exactly one threshold.
-The output at the events is known, because the luminance is; a constant lag cancels. Leak adds its
+photoreceptor. From the end of the refractory period after an event to the next event, it changes by
+one threshold. The output is known, because the luminance is; a constant lag cancels. Leak adds its
 drift times the interval on the way up, and subtracts it on the way down.
+
+Noise helps to cross the threshold, and part of it is gone when the pixel memorises, so that the
+change is smaller by up to some σ of the noise if the refractory period is longer than the
+correlation time of the noise. Bright light and fast ramps, in which the crossing is sharp, keep
+this small.
 """
 
 from __future__ import annotations
@@ -17,7 +22,10 @@ import numpy.typing as npt
 
 from emulator.characterisation.recordings import check_recording, healthy_events
 from emulator.errors import FitError
+from flybench.checks import Range
 from flybench.events import Events
+
+_REFRACTORY = Range(0, 1_000_000, "µs", "Give whole microseconds, such as 270.")
 
 Floats = npt.NDArray[np.float64]
 
@@ -49,6 +57,7 @@ def fit_ramps(
     t_us: npt.ArrayLike,
     log_luminance: npt.ArrayLike,
     leak_drift_per_s: float = 0.0,
+    refractory_us: int = 0,
 ) -> Thresholds:
     """Estimate both thresholds from slow luminance ramps that the whole array sees.
 
@@ -63,6 +72,7 @@ def fit_ramps(
         t_us: (n,) rising times of the corners of the modulation [µs].
         log_luminance: (n,) logarithm of the luminance at the corners, linear in between [ln units].
         leak_drift_per_s: drift of the memorised value by leak [ln units/s]; 0 without leak.
+        refractory_us: refractory period [µs].
 
     Returns:
         Means and standard deviations over the pixels; None for a direction without a ramp.
@@ -70,17 +80,20 @@ def fit_ramps(
     Raises:
         EventError: the events are not a sorted stream from such a sensor.
         FitError: a width or height is out of range; the corners are fewer than two, not finite, not
-            rising in time, or differ in number; or the drift is negative or not finite.
+            rising in time, or differ in number; the drift is negative or not finite; or the
+            refractory period is not a whole number from 0 to 1000000.
     """
     width, height = check_recording(events, width=width, height=height)
     times, luminance = _corners(t_us, log_luminance)
     _check_drift(leak_drift_per_s)
+    reset_us = _REFRACTORY.check("refractory_us", refractory_us, FitError)
     healthy = healthy_events(events, (height, width))
     ordered, pixel = healthy.events, healthy.pixel
     ramp = np.searchsorted(times, ordered["t"], side="left")
     pair = (np.diff(pixel) == 0) & (np.diff(ramp) == 0) & (ordered["p"][1:] == ordered["p"][:-1])
-    change = np.diff(np.interp(ordered["t"], times, luminance))
-    change += leak_drift_per_s * 1e-6 * np.diff(ordered["t"])
+    t = ordered["t"]
+    change = np.interp(t[1:], times, luminance) - np.interp(t[:-1] + reset_us, times, luminance)
+    change += leak_drift_per_s * 1e-6 * (np.diff(t) - reset_us)
     on = ordered["p"][1:]
     slope = np.concatenate(([0.0], np.sign(np.diff(luminance)), [0.0]))[ramp[1:]]
     pair &= slope == np.where(on, 1.0, -1.0)

@@ -5,9 +5,9 @@ mean of the noise relaxes to 0, and leak moves the memory down, so that the mean
 
     d(t) = −n0·(1 − exp(−t/τ)) + drift·t
 
-Noise crosses a threshold with the hazard of `emulator.noise.first_passage`. The noise at the
-crossing is θ_on − d or −θ_off − d; the share exp(−t_ref/τ) of it is left at the end of the
-refractory period, when the rest of the variance is new. So n0 is a Markov chain, and its stationary
+Noise crosses a threshold with the hazard of `emulator.noise.first_passage`. It is then θ_on above
+the memory, or θ_off below; the share exp(−t_ref/τ) of it is left at the end of the refractory
+period, when the rest of the variance is new. So n0 is a Markov chain, and its stationary
 distribution gives both rates. Averages over pixels take the mismatch of the thresholds and the
 spread of the dark current by Gauss-Hermite quadrature.
 """
@@ -229,8 +229,9 @@ def _follow(
         mean_us += lost * (time_us + inside * step_us)
         if total > 0.0:
             on_share += lost * on / total
-            _deposit(crossing, (theta_on - middle - lowest) / spacing, lost * on / total)
-            _deposit(crossing, (-theta_off - middle - lowest) / spacing, lost * off / total)
+            memory = start - drift * (time_us + 0.5 * step_us) - lowest
+            _deposit(crossing, (memory + theta_on) / spacing, lost * on / total)
+            _deposit(crossing, (memory - theta_off) / spacing, lost * off / total)
         alive *= survival
         time_us += step_us
         d = after

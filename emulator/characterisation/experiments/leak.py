@@ -1,7 +1,7 @@
 """The leak: its rate against illuminance, and against temperature.
 
-`emulator.characterisation.static_fit` estimates the rate from static recordings. It separates the
-periodic leak from shot noise without knowing the causes of events.
+`emulator.characterisation.static_fit` estimates the leak of the median pixel from recordings in
+light that is bright enough for noise to be absent.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Line = tuple[float | None, float | None]
 
 
 def measure_leak(config: SensorConfig, *, chip_lux: float, seed: int) -> StaticFit:
-    """Measure leak and shot noise of a small array at one illuminance on the chip [lux]."""
+    """Measure the leak of a small array at one illuminance on the chip [lux]."""
     sensor = bench_sensor(config, width=SIDE_PX, height=SIDE_PX)
     luminance = uniform_frame(sensor, chip_luminance(sensor, chip_lux))
     recording = record(sensor, static_samples(luminance, duration_s=DURATION_S), seed=seed)
@@ -96,9 +96,8 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     warm = nan_for_none(by_celsius)
     return Section(
         "Leak",
-        f"{SIDE_PX}×{SIDE_PX} pixels see a static scene for {DURATION_S:g} s. The leak events of a "
-        "pixel come at equal intervals, which separates them from shot noise. The rate is that of "
-        "a pixel with the mean threshold, without shot noise. Illuminance varies at "
+        f"{SIDE_PX}×{SIDE_PX} pixels see a static scene for {DURATION_S:g} s, in light in which "
+        "noise is absent. The rate is that of the median pixel. Illuminance varies at "
         f"{config.temperature_c:g} °C, temperature at {lux_label(WARM_LUX)} on the chip.",
         _quantities(line, warm, fits),
         [_lux_plot(lux, rates, line), _temperature_plot(warm)],
@@ -108,15 +107,15 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
 def _quantities(line: Line, warm: list[float], fits: list[StaticFit]) -> list[Quantity]:
     dark_hz, slope = line
     per_klux = None if slope is None else 1e3 * slope
-    mismatch = nan_for_none([fit.relative_mismatch for fit in fits])
-    percent = 100.0 * float(np.nanmedian(mismatch)) if np.isfinite(mismatch).any() else None
+    spreads = nan_for_none([fit.leak_spread for fit in fits])
+    spread = float(np.nanmedian(spreads)) if np.isfinite(spreads).any() else None
     doubling = doubling_k(CELSIUS, warm)
-    note = "equal to the mismatch of the ON threshold over the threshold"
+    note = "from the quartiles, so that the tail does not count"
     return [
         Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
         Quantity("leak added by light on the chip", "Hz/klux", per_klux, sources.LEAK_HZ_PER_KLUX),
         Quantity("warming that doubles the leak", "K", doubling, sources.LEAK_DOUBLING_K),
-        Quantity("standard deviation over pixels, relative", "%", percent, note=note),
+        Quantity("standard deviation of ln(leak) over the pixels", "", spread, note=note),
     ]
 
 

@@ -29,6 +29,7 @@ def test_thresholds_and_mismatch_are_recovered_in_noise(theta_on: float, theta_o
         t_us=t_us,
         log_luminance=log_lux,
         leak_drift_per_s=config.leak_hz * theta_on,
+        refractory_us=config.refractory_us,
     )
     assert found.theta_on == pytest.approx(theta_on, rel=0.02)
     assert found.theta_off == pytest.approx(theta_off, rel=0.02)
@@ -58,6 +59,7 @@ def test_constant_luminance_gives_no_thresholds() -> None:
         ({"log_luminance": [1.0, np.nan]}, "holds NaN or infinity"),
         ({"log_luminance": ["dark", "bright"]}, "other than numbers"),
         ({"leak_drift_per_s": -0.01}, "leak_drift_per_s is -0.01"),
+        ({"refractory_us": -1}, "refractory_us is -1"),
         ({"leak_drift_per_s": np.inf}, "leak_drift_per_s is inf"),
         ({"height": 0}, r"height is 0\. Allowed is a whole number from 1"),
     ],

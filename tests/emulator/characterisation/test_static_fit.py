@@ -1,6 +1,5 @@
-"""Parameters of a sensor, estimated from a static recording to within 10 %."""
+"""Leak and thresholds relative to each other, estimated from static recordings."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,14 +20,6 @@ from flybench.errors import EventError
 from flybench.events import EVENT_DTYPE, empty_events
 
 SIDE_PX = 32
-DRIFT_PER_S = 0.018
-"""Drift of the memorised value in the dark, independent of the threshold [ln units/s]."""
-
-
-def expected_shot_off_hz(lux: float, dark_lux: float) -> float:
-    low, high = (np.log(x + dark_lux) for x in SHOT_LUX)
-    power = np.log(SHOT_OFF_HZ[1] / SHOT_OFF_HZ[0]) / (high - low)
-    return float(SHOT_OFF_HZ[0] * np.exp(power * (np.log(lux + dark_lux) - low)))
 
 
 def recording_of(config: SensorConfig, *, lux: float, duration_s: float) -> Recording:
@@ -37,84 +28,46 @@ def recording_of(config: SensorConfig, *, lux: float, duration_s: float) -> Reco
     return record(sensor, static_samples(luminance, duration_s=duration_s), seed=7)
 
 
-def fit(recording: Recording, drift_per_s: float | None = None) -> StaticFit:
-    return fit_static(
-        recording.events,
-        width=SIDE_PX,
-        height=SIDE_PX,
-        end_us=recording.duration_us,
-        leak_drift_per_s=drift_per_s,
+def fit(recording: Recording, leak_hz: float = 0.0) -> StaticFit:
+    size = {"width": SIDE_PX, "height": SIDE_PX}
+    return fit_static(recording.events, **size, end_us=recording.duration_us, leak_hz=leak_hz)
+
+
+@pytest.mark.parametrize("leak_hz", [0.05, 0.2])
+def test_bright_light_shows_the_leak_and_its_spread(leak_hz: float) -> None:
+    config = SensorConfig(leak_hz=leak_hz, leak_hz_per_lux=0.0, leak_spread=0.4)
+    found = fit(recording_of(config, lux=300.0, duration_s=20.0 / leak_hz))
+    assert found.leak_hz == pytest.approx(leak_hz, rel=0.1)
+    assert found.leak_spread == pytest.approx(0.45, abs=0.1)  # a tenth is in the tail
+    assert (found.theta_ratio, found.relative_mismatch) == (None, None)
+
+
+@pytest.mark.parametrize(("theta_on", "theta_off"), [(0.28, 0.35), (0.3, 0.24)])
+def test_dim_light_shows_the_ratio_of_the_thresholds(theta_on: float, theta_off: float) -> None:
+    config = SensorConfig(
+        theta_on=theta_on, theta_off=theta_off, noise_sigma=0.12, leak_hz=0.0, leak_hz_per_lux=0.0
     )
-
-
-@pytest.mark.parametrize("theta_on", [0.12, 0.18, 0.3])
-@pytest.mark.parametrize("lux", [20.0, 300.0])
-def test_threshold_leak_and_shot_noise_are_recovered(theta_on: float, lux: float) -> None:
-    config = replace(
-        SensorConfig(),
-        theta_on=theta_on,
-        theta_mismatch=0.025,
-        leak_hz=DRIFT_PER_S / theta_on,
-        leak_hz_per_lux=0.0,
-        shot_noise_scale=3.0,
-    )
-    found = fit(recording_of(config, lux=lux, duration_s=400.0), DRIFT_PER_S)
-    shot_off_hz = 3.0 * expected_shot_off_hz(lux, config.dark_lux)
-    assert found.theta_on == pytest.approx(theta_on, rel=0.1)
-    assert found.theta_mismatch == pytest.approx(0.025, rel=0.1)
-    assert found.leak_hz == pytest.approx(DRIFT_PER_S / theta_on, rel=0.1)
-    assert found.shot_off_hz == pytest.approx(shot_off_hz, rel=0.1)
-    assert found.shot_on_hz == pytest.approx(SHOT_ON_PER_OFF * shot_off_hz, rel=0.1)
-
-
-@pytest.mark.parametrize("lux", [0.1, 30.0])
-def test_a_static_recording_does_not_depend_on_the_off_threshold(lux: float) -> None:
-    """So no fit can recover it; `fit_ramps` recovers it from a modulation."""
-    low, high, other = (
-        recording_of(config, lux=lux, duration_s=20.0)
-        for config in (
-            SensorConfig(theta_off=0.12),
-            SensorConfig(theta_off=0.4),
-            SensorConfig(theta_on=0.19),
-        )
-    )
-    assert low.events.size > 1000
-    assert low.events.tobytes() == high.events.tobytes()
-    assert low.events.tobytes() != other.events.tobytes()
-
-
-def test_in_dim_light_only_shot_noise_is_found() -> None:
-    found = fit(recording_of(SensorConfig(), lux=0.1, duration_s=20.0), DRIFT_PER_S)
-    assert found.shot_off_hz == pytest.approx(4.2, rel=0.05)
-    assert found.shot_on_hz == pytest.approx(5.5, rel=0.05)
+    found = fit(recording_of(config, lux=0.1, duration_s=60.0))
+    assert found.theta_ratio == pytest.approx(theta_off / theta_on, rel=0.05)
+    relative = 0.024 * np.hypot(1.0 / theta_on, 1.0 / theta_off) / np.sqrt(2.0)
+    assert found.relative_mismatch == pytest.approx(relative, rel=0.25)
     assert found.leak_hz is None
-    assert found.theta_on is None
-    assert found.relative_mismatch is None
 
 
-def test_without_the_drift_the_mismatch_is_relative() -> None:
-    found = fit(recording_of(SensorConfig(), lux=1000.0, duration_s=200.0))
-    assert found.theta_on is None
-    assert found.relative_mismatch == pytest.approx(0.035 / 0.18, rel=0.1)
+def test_a_known_leak_is_subtracted() -> None:
+    config = SensorConfig(
+        noise_sigma=0.12, leak_hz=0.2, leak_spread=0.0, leak_tail_fraction=0.0, leak_hz_per_lux=0.0
+    )
+    recording = recording_of(config, lux=0.1, duration_s=30.0)
+    assert fit(recording, 0.2).theta_ratio == pytest.approx(0.35 / 0.28, rel=0.05)
+    assert fit(recording).theta_ratio > 1.03 * 0.35 / 0.28
 
 
 def test_hot_pixels_are_left_out() -> None:
-    config = replace(SensorConfig(), hot_fraction=0.01)
-    found = fit(recording_of(config, lux=100.0, duration_s=100.0), DRIFT_PER_S)
+    config = SensorConfig(hot_fraction=0.01, leak_tail_fraction=0.0)
+    found = fit(recording_of(config, lux=100.0, duration_s=200.0))
     assert 0.004 < found.hot_share < 0.02
-    assert found.theta_on == pytest.approx(0.18, rel=0.1)
-    assert found.shot_on_hz < 0.01
-
-
-def test_the_rate_of_rare_events_is_not_overestimated() -> None:
-    rng = np.random.default_rng(2)
-    pixels, rate_hz, end_s = 10_000, 0.05, 20.0
-    n = rng.poisson(pixels * rate_hz * end_s)
-    events = np.zeros(n, EVENT_DTYPE)
-    events["t"] = np.sort(rng.uniform(0.0, end_s * 1e6, n)).astype(int)
-    events["x"], events["y"] = rng.integers(0, 100, (2, n))
-    found = fit_static(events, width=100, height=100, end_us=round(end_s * 1e6))
-    assert found.shot_off_hz == pytest.approx(rate_hz, rel=0.05)
+    assert found.leak_hz == pytest.approx(0.0526, rel=0.15)
 
 
 def test_no_events_give_zero_rates() -> None:
@@ -134,8 +87,8 @@ def test_events_of_another_sensor_are_refused() -> None:
         ({"end_us": 499}, r"end_us is 499\. Allowed is a finite number from 500"),
         ({"end_us": float("inf")}, "end_us is inf"),
         ({"end_us": float("nan")}, "end_us is nan"),
-        ({"leak_drift_per_s": 0.0}, r"leak_drift_per_s is 0\.0\. Allowed is a positive"),
-        ({"leak_drift_per_s": -0.018}, "leak_drift_per_s is -0.018"),
+        ({"leak_hz": -0.018}, "leak_hz is -0.018. Allowed is a finite number from 0 Hz"),
+        ({"leak_hz": float("nan")}, "leak_hz is nan"),
         ({"width": 0}, r"width is 0\. Allowed is a whole number from 1"),
     ],
 )
