@@ -12,6 +12,7 @@ PAGES = (
     "docs/limits.md",
     "docs/real-recordings.md",
     "docs/realism.md",
+    "docs/calibration.md",
     "README.md",
     "sim/README.md",
     "emulator/README.md",

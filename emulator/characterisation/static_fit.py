@@ -97,7 +97,7 @@ def fit_static(
     on_hz, off_hz = float(on.mean()) / seconds, float(off.mean()) / seconds
     leak = spread = ratio = mismatch = None
     if on.sum() > 0 and off_hz <= _RARE * on_hz:
-        leak = float(np.median(on)) / seconds
+        leak = _middle(on) / seconds
         spread = _spread(on)
     elif off.sum() >= _LEAST_OFF and on_hz > 2.0 * leak_hz:
         ratio = (on_hz - leak_hz) / off_hz
@@ -121,6 +121,12 @@ def _check_known(events: Events, end_us: int, leak_hz: float) -> None:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _middle(counts: npt.NDArray[np.int64]) -> float:
+    """Return the mean of the middle fifth: a median that is not rounded to whole events."""
+    ordered = np.sort(counts)
+    return float(ordered[int(0.4 * ordered.size) : int(0.6 * ordered.size) + 1].mean())
 
 
 def _spread(counts: npt.NDArray[np.int64]) -> float | None:
