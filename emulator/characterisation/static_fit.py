@@ -101,7 +101,7 @@ def fit_static(
         spread = _spread(on)
     elif off.sum() >= _LEAST_OFF and on_hz > 2.0 * leak_hz:
         ratio = (on_hz - leak_hz) / off_hz
-        mismatch = _mismatch(on - leak_hz * seconds, off.astype(np.float64))
+        mismatch = _mismatch(np.asarray(on - leak_hz * seconds, np.float64), off.astype(np.float64))
     return StaticFit(on_hz, off_hz, leak, spread, ratio, mismatch, 1.0 - float(healthy.mean()))
 
 

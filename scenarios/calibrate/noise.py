@@ -241,7 +241,8 @@ def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
     hidden = fit.leak_share < _LEAST_LEAK_SHARE and fit.most_leak_hz > fit.start.leak_hz
     if name == "leak_hz" and hidden:
         return unknown(name, unit, "noise hides it at every illuminance of the quiet pixels")
-    if name == "leak_hz" and not fit.has_settled:
+    refuted = fit.most_leak_hz < fit.start.leak_hz * _settling_share(fit.sensor)
+    if name == "leak_hz" and not fit.has_settled and not refuted:
         reason = (
             "after motion, pixels need a leak period to settle, so the camera has to be still "
             f"first; it would be {value:.2g} Hz if they had settled"
@@ -257,6 +258,14 @@ def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
         f"pixel seconds, {classes.lux[0]:.2g} to {classes.lux[-1]:.2g} lux"
     )
     return Parameter(name, unit, value, interval, evidence)
+
+
+def _settling_share(sensor: SensorConfig) -> float:
+    """Return the rate of leak events soon after motion, over that of settled pixels.
+
+    Motion leaves the memory anywhere between the thresholds, not only below the ON threshold.
+    """
+    return sensor.theta_on / (sensor.theta_on + sensor.theta_off)
 
 
 def _plot(fit: NoiseFit) -> Plot:
