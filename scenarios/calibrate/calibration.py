@@ -8,14 +8,16 @@ from typing import Any
 
 from emulator import SensorConfig
 from scenarios.calibrate.fit import Fit, Parameter
-from scenarios.calibrate.flicker import Flicker, flicker_page
-from scenarios.calibrate.leak_spread import fit_leak_spread, hot_pixels, leak_page
-from scenarios.calibrate.noise import fit_noise, noise_page
-from scenarios.calibrate.quiet_time import quiet_time
-from scenarios.calibrate.readout import readout_page
+from scenarios.calibrate.fits.flicker import Flicker, flicker_page
+from scenarios.calibrate.fits.leak_spread import fit_leak_spread, hot_pixels, leak_page
+from scenarios.calibrate.fits.noise import fit_noise
+from scenarios.calibrate.fits.noise_page import noise_page
+from scenarios.calibrate.fits.quiet_time import quiet_time
+from scenarios.calibrate.fits.readout import readout_page
+from scenarios.calibrate.fits.refractory import refractory_page
+from scenarios.calibrate.fits.thresholds import fit_thresholds
+from scenarios.calibrate.fits.thresholds_page import thresholds_page
 from scenarios.calibrate.recording import CalibrationRecording, events_by_pixel
-from scenarios.calibrate.refractory import refractory_page
-from scenarios.calibrate.thresholds import fit_thresholds, thresholds_page
 
 _ROUNDS = 2
 """Rounds of thresholds and noise, each of which needs the other."""

@@ -19,7 +19,7 @@ from emulator import EventSensor, SensorConfig
 from emulator.pixel.optics import lux_per_cd_m2
 from flybench.events import Events
 from scenarios.calibrate.calibration import calibrate
-from scenarios.calibrate.frame_noise import frame_noise
+from scenarios.calibrate.fits.frame_noise import frame_noise
 from scenarios.calibrate.recording import CalibrationRecording
 from scenarios.emulate.luminance_samples import STEP_PX
 from scenarios.emulate.motion import MotionMeter, interpolated, interpolation_count

@@ -8,7 +8,7 @@ from typing import Any
 
 from scenarios.calibrate.calibration import Calibration
 from scenarios.calibrate.fit import Parameter
-from scenarios.calibrate.flicker import Flicker
+from scenarios.calibrate.fits.flicker import Flicker
 
 _WIDTH = 100
 _DIGITS = 4

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from emulator import SensorConfig
-from scenarios.calibrate.event_steps import event_steps, noise_by_pixel
+from scenarios.calibrate.fits.event_steps import event_steps, noise_by_pixel
 from scenarios.calibrate.recording import PixelEvents, events_by_pixel
 from tests.scenarios.event_statistics.made_events import events_of
 

@@ -7,7 +7,7 @@ import pytest
 
 from emulator import ApsFrame
 from flybench.events import EVENT_DTYPE, Events
-from scenarios.calibrate.flicker import Flicker, find_flicker
+from scenarios.calibrate.fits.flicker import Flicker, find_flicker
 from scenarios.calibrate.recording import CalibrationRecording, events_by_pixel
 
 SIDE = 32

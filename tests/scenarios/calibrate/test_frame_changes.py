@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from emulator import ApsFrame, SensorConfig
-from scenarios.calibrate.event_steps import EventSteps
-from scenarios.calibrate.frame_changes import Predicted, predict_frames
+from scenarios.calibrate.fits.event_steps import EventSteps
+from scenarios.calibrate.fits.frame_changes import Predicted, predict_frames
 from scenarios.calibrate.recording import CalibrationRecording, events_by_pixel
 from tests.scenarios.event_statistics.made_events import events_of
 

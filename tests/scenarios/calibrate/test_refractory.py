@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenarios.calibrate.refractory import fit_edge
+from scenarios.calibrate.fits.refractory import fit_edge
 
 
 def intervals(edge_us: float, exponent: float, width_us: float, seed: int = 0) -> np.ndarray:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from scenarios.calibrate.event_steps import EventSteps
+from scenarios.calibrate.fits.event_steps import EventSteps
 from scenarios.calibrate.recording import CalibrationRecording, PixelEvents
 
 F32 = npt.NDArray[np.float32]

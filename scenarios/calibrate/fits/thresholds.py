@@ -14,29 +14,26 @@ correlate with it (Wright 1928; Reiersøl 1945: the method of instrumental varia
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from emulator import SensorConfig
-from emulator.characterisation import Plot, Quantity, Section, Style
-from emulator.characterisation.section import series
-from scenarios.calibrate.event_steps import event_steps
-from scenarios.calibrate.fit import Fit, Parameter, unknown
-from scenarios.calibrate.frame_changes import Predicted, predict_frames
-from scenarios.calibrate.frame_noise import frame_noise
+from scenarios.calibrate.fits.event_steps import event_steps
+from scenarios.calibrate.fits.frame_changes import Predicted, predict_frames
+from scenarios.calibrate.fits.frame_noise import frame_noise
 from scenarios.calibrate.recording import (
     LEAST_LEVEL,
     CalibrationRecording,
     PixelEvents,
 )
 
-_LEAST_CHANGE = 0.4
+LEAST_CHANGE = 0.4
 """Change between frames from which it is used [ln units]: above the noise of frames (assumed)."""
 _DEVIATIONS = 6.0
 """Least change in standard deviations of the noise of the darker frame (assumed)."""
-_FEWEST = 300
+FEWEST = 300
 """Fewest changes in each direction that give a threshold (assumed)."""
 _MOST_VALUES = 4_000_000
 """Most values of frames × pixels that are used; pixels are left out evenly (assumed)."""
@@ -47,8 +44,6 @@ _CLIP = 2.5
 """Residuals above this number of standard deviations weigh less (Huber 1964)."""
 _GROUPS = 6
 """Groups of pixels along each side, for the jackknife (Tukey 1958)."""
-_MOST_HALF_WIDTH = 0.15
-"""Widest half of the interval, as a share of the threshold, that counts as told (assumed)."""
 
 F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
@@ -99,7 +94,7 @@ def fit_thresholds(
     )
     used &= _within_events(recording)[:, None]
     counts = int((used & (measured > 0)).sum()), int((used & (measured < 0)).sum())
-    if min(counts) < _FEWEST:
+    if min(counts) < FEWEST:
         return None
     y, lux = measured[used], recording.mean_lux()
     group = _groups(recording.shape)[pixels]
@@ -140,7 +135,7 @@ def _least_changes(recording: CalibrationRecording, pixels: I64, levels: F64) ->
     """Return the change of each pixel between frames from which it is used, (frames − 1, m)."""
     noise = np.stack([values.ravel()[pixels] for values in frame_noise(recording)])
     darker = np.minimum(levels[1:], levels[:-1])
-    return np.asarray(np.maximum(_LEAST_CHANGE, _DEVIATIONS * noise / np.maximum(darker, 1.0)))
+    return np.asarray(np.maximum(LEAST_CHANGE, _DEVIATIONS * noise / np.maximum(darker, 1.0)))
 
 
 def _within_events(recording: CalibrationRecording) -> npt.NDArray[np.bool_]:
@@ -219,7 +214,7 @@ def fit_mismatch(fit: ThresholdFit) -> float | None:
     residual, events = np.abs(fit.spread[:, 0]), fit.spread[:, 1]
     rest = 1.4826 * float(np.median(np.abs(fit.measured - fit.predicted)))
     many = events >= 3.0 * rest / (0.05 * (fit.theta_on + fit.theta_off))
-    if np.count_nonzero(many) < _FEWEST:
+    if np.count_nonzero(many) < FEWEST:
         return None
     residual, events = residual[many], events[many]
     mismatch = 0.05
@@ -228,99 +223,3 @@ def fit_mismatch(fit: ThresholdFit) -> float | None:
             np.median(residual / np.hypot(events, rest / max(mismatch, 1e-4)))
         )
     return mismatch
-
-
-def thresholds_page(fit: ThresholdFit | None, sensor: SensorConfig) -> Fit:
-    """Return parameters and figures of the thresholds."""
-    method = (
-        "From one frame to the next, the logarithm of a pixel's light changes by θ_on for every ON "
-        "event and by −θ_off for every OFF event (Wang et al., ACRA 2019). Frames are predicted "
-        "from the events with their blur (Pan et al., CVPR 2019), and compared where the light "
-        f"changes by {_LEAST_CHANGE:g} ln units or more. The changes of the frames are the "
-        "instruments of the fit. Events on steep edges count for more, as the refractory period of "
-        f"{sensor.refractory_us} µs makes them, and events helped by noise (σ0 = "
-        f"{sensor.noise_sigma:.3g}) for less."
-    )
-    title = "Contrast thresholds"
-    names = ("theta_on", "theta_off", "theta_mismatch")
-    if fit is None:
-        reason = f"fewer than {_FEWEST} pixels change by {_LEAST_CHANGE:g} ln units between frames"
-        missing = tuple(unknown(name, "ln units", reason) for name in names)
-        return Fit("thresholds", missing, Section(title, method, ()))
-    parameters = [
-        _threshold(name, value, error, number)
-        for name, value, error, number in zip(
-            names, (fit.theta_on, fit.theta_off), fit.errors, fit.counts, strict=False
-        )
-    ]
-    mismatch, pixels = fit_mismatch(fit), len(fit.spread)
-    if mismatch is None:
-        reason = "too few pixels have enough events"
-        parameters.append(unknown("theta_mismatch", "ln units", reason))
-    else:
-        evidence = f"from {pixels:,} pixels over the whole recording"
-        parameters.append(Parameter("theta_mismatch", "ln units", mismatch, None, evidence))
-    share = Quantity("mean rest below the threshold", "of it", fit.share)
-    plots = [_change_plot(fit), _mismatch_plot(fit, mismatch)]
-    return Fit("thresholds", tuple(parameters), Section(title, method, (share,), plots))
-
-
-def _threshold(name: str, value: float, error: float, number: int) -> Parameter:
-    half = 1.96 * float(error)
-    if half > _MOST_HALF_WIDTH * value:
-        reason = f"{value:.3g} ± {half:.2g} from {number:,} changes is too uncertain"
-        return unknown(name, "ln units", reason)
-    interval = value - half, value + half
-    return Parameter(name, "ln units", value, interval, f"from {number:,} changes between frames")
-
-
-def _change_plot(fit: ThresholdFit) -> Plot:
-    """Plot the change that the events predict against that of the frames, in classes of it."""
-    edges = np.linspace(-2.5, 2.5, 41)
-    index = np.digitize(fit.measured, edges)
-    centres, rows = [], []
-    for k in np.unique(index):
-        inside = fit.predicted[index == k]
-        if inside.size >= 20 and 0 < k < edges.size:
-            centres.append(float(np.median(fit.measured[index == k])))
-            rows.append(np.percentile(inside, [10, 50, 90]))
-    low, middle, high = np.array(rows).T if rows else np.empty((3, 0))
-    return Plot(
-        "Change from frame to frame",
-        "frames [ln units]",
-        "predicted from events [ln units]",
-        [
-            series("median", centres, middle),
-            series("10 %", centres, low, Style.LINE, 1),
-            series("90 %", centres, high, Style.LINE, 1),
-            series("equal", edges, edges, Style.GUIDE),
-        ],
-    )
-
-
-def _mismatch_plot(fit: ThresholdFit, mismatch: float | None) -> Plot:
-    events, residual = fit.spread[:, 1], np.abs(fit.spread[:, 0])
-    edges = np.unique(np.geomspace(1.0, max(float(events.max(initial=2.0)), 2.0), 16))
-    index = np.digitize(events, edges)
-    kept = [k for k in np.unique(index) if np.count_nonzero(index == k) >= 20]
-    x = [float(np.median(events[index == k])) for k in kept]
-    y = [1.4826 * float(np.median(residual[index == k])) for k in kept]
-    curves = [series("pixels", x, y)]
-    if mismatch is not None:
-        rest = 1.4826 * float(np.median(np.abs(fit.measured - fit.predicted)))
-        curves.append(series("fit", edges, np.hypot(rest, mismatch * edges), Style.LINE))
-    return Plot(
-        "Mismatch of the thresholds",
-        "events of a pixel, √(ON² + OFF²)",
-        "standard deviation of the residual [ln units]",
-        curves,
-        x_log=True,
-        y_log=True,
-    )
-
-
-def with_thresholds(sensor: SensorConfig, fit: ThresholdFit | None) -> SensorConfig:
-    """Return a sensor with the thresholds of the fit."""
-    if fit is None:
-        return sensor
-    return replace(sensor, theta_on=fit.theta_on, theta_off=fit.theta_off)

@@ -21,7 +21,7 @@ from emulator.characterisation.section import series
 from emulator.characterisation.settled_rates import settled_rates
 from emulator.noise.leak import TAIL_FACTOR
 from scenarios.calibrate.fit import Fit, Parameter, unknown
-from scenarios.calibrate.quiet_time import QuietTime
+from scenarios.calibrate.fits.quiet_time import QuietTime
 
 _FEWEST = 500
 """Fewest pixels from which a spread is estimated (assumed)."""

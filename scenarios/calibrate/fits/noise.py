@@ -18,28 +18,23 @@ import numpy.typing as npt
 from scipy.optimize import minimize
 
 from emulator import SensorConfig
-from emulator.characterisation import Plot, Section, Style
-from emulator.characterisation.section import series
 from emulator.characterisation.settled_rates import settled_rates
 from emulator.noise.leak import TAIL_FACTOR
-from scenarios.calibrate.fit import Fit, Parameter, unknown
-from scenarios.calibrate.quiet_time import QuietTime
+from scenarios.calibrate.fits.quiet_time import QuietTime
 
 _FEWEST_PIXELS = 50
 _FEWEST_CLASSES = 4
 """Fewest classes of illuminance that tell the cutoff per lux (assumed)."""
 _LEAST_SECONDS = 5.0
 """Least quiet time of a class, over all its pixels [s] (assumed)."""
-_FEWEST_OFF, _FEWEST_ON = 30, 50
-"""Fewest OFF events that tell the noise, and ON events that tell the leak (assumed)."""
-_MOST_ERROR = 0.15
+FEWEST_ON = 50
+"""Fewest ON events that tell the leak (assumed)."""
+MOST_ERROR = 0.15
 """Largest standard error of a logarithm that counts as told (assumed)."""
-_LEAST_LEAK_SHARE = 0.1
-"""Least share of the leak in the ON events of a class of pixels that tells the leak (assumed)."""
 _LEAST_SETTLED = 0.5
 """Least share of pixels that were still from the start and tell the leak (assumed)."""
 _STEP = 0.05
-_DARKEST = 1e-3
+DARKEST = 1e-3
 """Illuminance below which all pixels are one class [lux]."""
 _BOUNDS = ((math.log(1e-3), math.log(1.0)), (math.log(1e-4), math.log(100.0)), (-7.0, 12.0))
 """Ranges of the logarithms of σ0, leak [Hz] and cutoff per lux [Hz/lux]."""
@@ -94,7 +89,7 @@ class NoiseFit:
         c = self.classes
         leak = self.sensor.warm_leak_hz + self.sensor.leak_hz_per_lux * c.lux
         share = mean_leak_factor(self.sensor) * leak * c.seconds / np.maximum(c.on, 1.0)
-        return float(share[c.on >= _FEWEST_ON / 2].max(initial=0.0))
+        return float(share[c.on >= FEWEST_ON / 2].max(initial=0.0))
 
     @property
     def has_settled(self) -> bool:
@@ -118,7 +113,7 @@ class NoiseFit:
 
 def light_classes(quiet: QuietTime) -> LightClasses:
     """Return the quiet pixels in classes of illuminance, a factor of three wide."""
-    octave = np.floor(np.log(np.maximum(quiet.lux, _DARKEST)) / math.log(3.0)).astype(np.int64)
+    octave = np.floor(np.log(np.maximum(quiet.lux, DARKEST)) / math.log(3.0)).astype(np.int64)
     rows = []
     for number in np.unique(octave):
         part = quiet.of(octave == number)
@@ -157,7 +152,7 @@ def fit_noise(quiet: QuietTime, sensor: SensorConfig, *, cutoff: bool = True) ->
     if cutoff and classes.lux.size >= _FEWEST_CLASSES:
         more = (*names, "bandwidth_hz_per_lux")
         found, found_errors = _fit(classes, best, more)
-        if found_errors[2] <= 2.0 * _MOST_ERROR:
+        if found_errors[2] <= 2.0 * MOST_ERROR:
             return NoiseFit(found, more, found_errors, classes, sensor)
     return NoiseFit(best, names, errors, classes, sensor)
 
@@ -208,82 +203,3 @@ def _errors(loss: Callable[[F64], float], logs: F64) -> tuple[float, ...]:
     except np.linalg.LinAlgError:
         return (math.inf,) * size
     return tuple(math.sqrt(v) if v > 0.0 else math.inf for v in variances.tolist())
-
-
-def noise_page(fit: NoiseFit | None) -> Fit:
-    """Return noise, cutoff and leak, and the rates against illuminance."""
-    title = "Noise and leak of quiet pixels"
-    method = (
-        "Rates of pixels whose light does not change, in classes of illuminance, and the rates "
-        "that the equations of the pixel model give. The illuminance is that which the frames "
-        "show, with the sensitivity of the frames that the sensor states."
-    )
-    names = {"noise_sigma": "ln units", "bandwidth_hz_per_lux": "Hz/lux", "leak_hz": "Hz"}
-    if fit is None:
-        missing = tuple(unknown(n, unit, "no pixel is quiet") for n, unit in names.items())
-        return Fit("noise", missing, Section(title, method, ()))
-    parameters = tuple(_parameter(fit, name, unit) for name, unit in names.items())
-    per_lux = unknown("leak_hz_per_lux", "Hz/lux", "it shows only in light of some 1000 lux")
-    section = Section(title, method, (), [_plot(fit)])
-    return Fit("noise", (*parameters, per_lux), section)
-
-
-def _parameter(fit: NoiseFit, name: str, unit: str) -> Parameter:
-    classes, error = fit.classes, fit.error(name)
-    value = float(getattr(fit.sensor, name))
-    on, off = int(classes.on.sum()), int(classes.off.sum())
-    if name == "leak_hz":
-        number, fewest, kind = on, _FEWEST_ON, "ON"
-    else:
-        number, fewest, kind = off, _FEWEST_OFF, "OFF"
-    if number < fewest:
-        return unknown(name, unit, f"quiet pixels give {number} {kind} events, fewer than {fewest}")
-    hidden = fit.leak_share < _LEAST_LEAK_SHARE and fit.most_leak_hz > fit.start.leak_hz
-    if name == "leak_hz" and hidden:
-        return unknown(name, unit, "noise hides it at every illuminance of the quiet pixels")
-    refuted = fit.most_leak_hz < fit.start.leak_hz * _settling_share(fit.sensor)
-    if name == "leak_hz" and not fit.has_settled and not refuted:
-        reason = (
-            "after motion, pixels need a leak period to settle, so the camera has to be still "
-            f"first; it would be {value:.2g} Hz if they had settled"
-        )
-        return unknown(name, unit, reason)
-    if error > 2.0 * _MOST_ERROR:
-        reason = "the rates of quiet pixels hardly depend on it"
-        return unknown(name, unit, reason)
-    interval = value * math.exp(-1.96 * error), value * math.exp(1.96 * error)
-    seconds, pixels = float(classes.seconds.sum()), int(classes.pixels.sum())
-    evidence = (
-        f"from {on:,} ON and {off:,} OFF events of {pixels:,} quiet pixels in {seconds:,.0f} "
-        f"pixel seconds, {classes.lux[0]:.2g} to {classes.lux[-1]:.2g} lux"
-    )
-    return Parameter(name, unit, value, interval, evidence)
-
-
-def _settling_share(sensor: SensorConfig) -> float:
-    """Return the rate of leak events soon after motion, over that of settled pixels.
-
-    Motion leaves the memory anywhere between the thresholds, not only below the ON threshold.
-    """
-    return sensor.theta_on / (sensor.theta_on + sensor.theta_off)
-
-
-def _plot(fit: NoiseFit) -> Plot:
-    classes = fit.classes
-    shown_lux = np.maximum(classes.lux, _DARKEST)
-    lux = np.geomspace(0.5 * shown_lux.min(), 2.0 * shown_lux.max(), 25)
-    rates = settled_rates(fit.sensor, lux, leak_factor=mean_leak_factor(fit.sensor))
-    curves = []
-    for k, (name, counts) in enumerate((("ON", classes.on), ("OFF", classes.off))):
-        seen = np.where(counts > 0, counts / classes.seconds, np.nan)
-        curves.append(series(name, shown_lux, seen, Style.POINTS, k))
-        shown = np.where(rates[:, k] > 1e-5, rates[:, k], np.nan)
-        curves.append(series(f"{name}, fit", lux, shown, Style.LINE, k))
-    return Plot(
-        "Events of quiet pixels",
-        "illuminance on the chip [lux]",
-        "rate of a pixel [Hz]",
-        curves,
-        x_log=True,
-        y_log=True,
-    )

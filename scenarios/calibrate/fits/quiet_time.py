@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import binary_dilation, uniform_filter
 
-from scenarios.calibrate.frame_noise import frame_noise
+from scenarios.calibrate.fits.frame_noise import frame_noise
 from scenarios.calibrate.recording import CalibrationRecording
 from scenarios.event_statistics.quiet_pixels import BLOCK_PX, SimultaneousPairs
 
