@@ -7,7 +7,6 @@ from typing import Annotated
 from tyro.conf import subcommand
 
 from flybench.version import __version__
-from scenarios.commands.calibrate import Calibrate
 from scenarios.commands.characterise import Characterise
 from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
@@ -18,6 +17,7 @@ from scenarios.commands.doctor import Doctor
 from scenarios.commands.emulate import Emulate
 from scenarios.commands.envelope import Envelope
 from scenarios.commands.run import Run
+from scenarios.commands.sensor.calibrate import Calibrate
 from scenarios.commands.study import Study
 from scenarios.commands.sweep import Sweep
 from scenarios.commands.validate import Validate

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from formats import open_writer, write_events
-from scenarios.commands.calibrate import NUMBERS, PAGE, SENSOR, Calibrate
+from scenarios.commands.sensor.calibrate import NUMBERS, PAGE, SENSOR, Calibrate
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.terminal import execute
 from tests.scenarios.calibrate.moving_texture import HEIGHT, WIDTH, recorded

@@ -8,7 +8,7 @@ from pathlib import Path
 import scenarios
 
 SCENARIOS = Path(str(scenarios.__file__)).parent
-SOURCES = [*SCENARIOS.glob("commands/*.py"), *SCENARIOS.glob("options/*.py")]
+SOURCES = [*SCENARIOS.glob("commands/**/*.py"), *SCENARIOS.glob("options/*.py")]
 
 
 def field_texts() -> Iterator[tuple[str, str]]:
