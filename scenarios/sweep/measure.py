@@ -97,7 +97,7 @@ def measure_task(task: Task) -> list[Results | Failure]:
         )
     with _TASK_LOCK:  # a worker may have several threads, but can render only one sequence at once
         if not task.use_all_cores:
-            _pin_threads()
+            pin_threads()
         try:
             return list(_run_and_score(task.configs, task.cache))
         except RendererError:
@@ -113,8 +113,8 @@ def measure_task(task: Task) -> list[Results | Failure]:
     ]
 
 
-def _pin_threads() -> None:
-    """Use one thread, since other tasks use the other cores."""
+def pin_threads() -> None:
+    """Use one thread in this process, since other tasks use the other cores."""
     os.environ.setdefault("LP_NUM_THREADS", "1")  # read when the renderer starts
     cv2.setNumThreads(1)
     numba.set_num_threads(1)

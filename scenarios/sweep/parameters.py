@@ -157,10 +157,10 @@ def make_config(settings: Settings, base: BaseSensor | None = None) -> RunConfig
     fly = None
     if any(name.startswith("fly.") for name in settings):
         config = DETECTORS[method].config if is_fly(method) else FlyConfig()
-        fly = _changed(config, "fly", settings)
+        fly = changed(config, "fly", settings)
     return RunConfig(
-        crossing=_changed(CrossingConfig(), "crossing", settings),
-        sensor=_changed(base.config, "sensor", settings),
+        crossing=changed(CrossingConfig(), "crossing", settings),
+        sensor=changed(base.config, "sensor", settings),
         method=method,
         fly=fly,
         seed=settings.get(SEED, 0),
@@ -171,13 +171,13 @@ def _base_of(name: PresetName) -> BaseSensor:
     return BaseSensor(preset(name), name)
 
 
-def _changed(base: C, section: str, settings: Settings) -> C:
+def changed(base: C, section: str, settings: Settings) -> C:
     """Return a section of the configuration, with its subsections, with changed values."""
     changes: dict[str, Any] = {}
     for field in fields(base):  # type: ignore[arg-type]
         name, value = f"{section}.{field.name}", getattr(base, field.name)
         if is_dataclass(value):
-            changes[field.name] = _changed(value, name, settings)
+            changes[field.name] = changed(value, name, settings)
         elif name in settings:
             changes[field.name] = settings[name]
     try:

@@ -53,8 +53,13 @@ class Distribution:
         return [min(int(value), self.values[1]) if whole else value for value in drawn]
 
 
-def parse_distribution(name: str, entry: Any) -> Distribution:
+def parse_distribution(name: str, entry: Any, place: str = "[sample]") -> Distribution:
     """Return the distribution of a parameter from its entry in the file.
+
+    Args:
+        name: name of the parameter.
+        entry: its value in the file.
+        place: table of the file that it is in, for messages.
 
     Raises:
         ScenarioError: the entry is not one of the known forms, or its bounds are invalid.
@@ -62,7 +67,7 @@ def parse_distribution(name: str, entry: Any) -> Distribution:
     known = (UNIFORM, LOG_UNIFORM, CHOICE)
     if not (isinstance(entry, Mapping) and len(entry) == 1 and next(iter(entry)) in known):
         raise ScenarioError(
-            f"{name} is {entry!r}. Allowed in [sample] is {_FORMS}. Choose one of these forms."
+            f"{name} is {entry!r}. Allowed in {place} is {_FORMS}. Choose one of these forms."
         )
     ((kind, values),) = entry.items()
     if not isinstance(values, list) or not values:

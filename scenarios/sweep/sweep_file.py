@@ -116,16 +116,21 @@ def _parameters(
     table: str, tables: Mapping[str, Any], given: dict[str, str]
 ) -> Iterator[tuple[str, Any]]:
     """Yield every parameter of a table by its dotted name, however the dots are written."""
-    for name, value in _flat(tables.get(table, {}), ""):
+    for name, value in flat_parameters(tables.get(table, {}), ""):
         _claim(name, f"[{table}]", given)
         yield name, value
 
 
-def _flat(values: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+def flat_parameters(values: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield the entries of nested tables by the dotted names of their parameters.
+
+    Raises:
+        ScenarioError: there is no parameter of a name.
+    """
     for key, value in values.items():
         name = prefix + key
         if isinstance(value, dict) and name in sections():
-            yield from _flat(value, f"{name}.")
+            yield from flat_parameters(value, f"{name}.")
         else:
             check_name(name)
             yield name, value
@@ -188,7 +193,7 @@ def _named_level(axis: str, entry: dict[str, Any]) -> Level:
             f'of the table. Write, for example, {NAME} = "calm" in each [[{LEVELS}.{axis}]].'
         )
     settings: dict[str, Any] = {}
-    for parameter, value in _flat(entry, ""):
+    for parameter, value in flat_parameters(entry, ""):
         if parameter in settings:
             raise ScenarioError(
                 f"{parameter} is set twice, in {LEVELS}.{axis} {name}. Allowed is once. Remove one "

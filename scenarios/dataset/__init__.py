@@ -1,0 +1,1 @@
+"""Labelled datasets: random scenes with every truth, in the layout of DSEC."""

@@ -1,0 +1,1 @@
+"""The labels of a sequence: one module for each kind of file."""
