@@ -25,6 +25,19 @@ _DTYPES = {"t": np.int64, "x": np.uint16, "y": np.uint16, "p": np.uint8}
 class DsecWriter(EventWriter):
     """Writes the data sets `events/{t,x,y,p}`, compressed with gzip, and the index `ms_to_idx`."""
 
+    _index_end_us = 0
+
+    def index_until(self, t_us: int) -> None:
+        """Make the index reach a time, even if the last event is earlier.
+
+        Readers that look up a window by its end need this. Without it, the index ends with the
+        millisecond after the last event.
+
+        Args:
+            t_us: time up to which windows may be looked up, at most one day [µs].
+        """
+        self._index_end_us = min(t_us, LATEST_US)
+
     def _open(self, work: Path) -> None:
         self._disk = LastingFile(work)
         self._file = h5py.File(self._disk, "w")
@@ -50,7 +63,10 @@ class DsecWriter(EventWriter):
 
     def _finish(self) -> None:
         self._flush()
-        self._append(self._index, np.array([self._columns["t"].size]))
+        end = max(-(-self._index_end_us // 1000), self._index.size) + 1
+        for first in range(self._index.size, end, CHUNK):
+            entries = min(CHUNK, end - first)
+            self._append(self._index, np.full(entries, self._columns["t"].size))
         self._file.close()
         self._disk.check()
 
