@@ -11,6 +11,7 @@ from scenarios.commands.characterise import Characterise
 from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
 from scenarios.commands.convert import Convert
+from scenarios.commands.dataset import Dataset
 from scenarios.commands.demo import Demo
 from scenarios.commands.detect import Detect
 from scenarios.commands.doctor import Doctor
@@ -40,6 +41,7 @@ Commands = (
     | Annotated[Emulate, subcommand("emulate")]
     | Annotated[Study, subcommand("study")]
     | Annotated[Sweep, subcommand("sweep")]
+    | Annotated[Dataset, subcommand("dataset")]
     | Annotated[VelocitySweep, subcommand("velocity-sweep")]
     | Annotated[Envelope, subcommand("envelope")]
     | Annotated[Calibrate, subcommand("calibrate")]

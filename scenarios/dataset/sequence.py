@@ -79,8 +79,8 @@ def _write_events(
     log, tally, frames = EventLog(), EventTally(), _Frames(work, wanted=Label.APS in plan.labels)
     keep: Callable[[Any], None] = log.add if EVENT_LABELS & set(plan.labels) else lambda _: None
     sensor = EventSensor(plan.sensor, seed=plan.seed)
-    size = {"width": plan.sensor.width, "height": plan.sensor.height}
-    with DsecWriter(work / EVENTS, **size) as writer:
+    width, height = plan.sensor.width, plan.sensor.height
+    with DsecWriter(work / EVENTS, width=width, height=height) as writer:
         for sample in crossing.samples():
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
             writer.write(output.events)

@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import field, make_dataclass
 from typing import Annotated, Any, Protocol
@@ -41,13 +41,21 @@ class Command(Protocol):
         ...
 
 
+class Advance(Protocol):
+    """Function that sets a progress bar."""
+
+    def __call__(self, done: int, total: int, note: str = "") -> None:
+        """Set the amount done, the total, and a note that follows the label of the bar."""
+        ...
+
+
 class ProgressBars:
     """Progress bars of several sequences, one line each."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
 
-    def track(self, name: str) -> Callable[[int, int], None]:
+    def track(self, name: str) -> Advance:
         """Add a bar.
 
         Args:
@@ -58,8 +66,9 @@ class ProgressBars:
         """
         task = self._progress.add_task(printable(name), total=None)
 
-        def advance(done: int, total: int) -> None:
-            self._progress.update(task, completed=done, total=total)
+        def advance(done: int, total: int, note: str = "") -> None:
+            label = printable(f"{name}, {note}" if note else name)
+            self._progress.update(task, completed=done, total=total, description=label)
 
         return advance
 

@@ -68,7 +68,7 @@ def decode_flow(coded: U16) -> tuple[F32, Bools]:
     valid = coded[..., 2] > 0
     flow = (coded[..., :2].astype(np.float32) - FLOW_ZERO) / FLOW_SCALE
     flow[~valid] = 0
-    return flow, valid
+    return np.asarray(flow, np.float32), valid
 
 
 def encode_depth(depth_m: F32) -> U16:

@@ -1,0 +1,132 @@
+"""`flybench dataset`: make a labelled dataset from a TOML file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.table import Table
+
+from flybench.disk_space import megabytes
+from scenarios.dataset.folder import CHECKSUMS, check_folder, finished_sequences
+from scenarios.dataset.plan import DatasetPlan, SequencePlan, read_plan
+from scenarios.dataset.run import DatasetResult, Runner, needed_bytes, run_dataset
+from scenarios.dataset.size import duration_s, estimated_bytes
+from scenarios.errors import ScenarioError
+from scenarios.output.streams import SafeConsole, say
+from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.pipeline.cluster import run_on_cluster
+from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
+
+DATASETS = Path("logs/dataset")
+_SPEED_OVER_S = 3600.0
+"""Time over which the progress display averages the speed [s]; a sequence may take minutes."""
+_CONSOLE_WIDTH = 1_000
+"""Wide enough that no line of a table is wrapped, even when printed to a file."""
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Make a dataset of random sequences with labels, in the layout of DSEC."""
+
+    file: Annotated[
+        tyro.conf.Positional[Path],
+        tyro.conf.arg(metavar="SPEC.toml", help_behavior_hint=""),
+    ]
+    """File that describes the dataset. An example is in scenarios/dataset/examples."""
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            metavar="DIR", help_behavior_hint="(default: logs/dataset/ and the name of the file)"
+        ),
+    ] = None
+    """Output folder; an interrupted dataset in it is resumed."""
+    jobs: int = ONE_PER_CORE
+    """Number of processes, 1 or more; -1: one per core."""
+    dask: Annotated[
+        str | None,
+        tyro.conf.arg(metavar="ADDRESS", help_behavior_hint="(default: no cluster)"),
+    ] = None
+    """Run on a Dask cluster whose workers see the output folder: address of its scheduler."""
+    dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Check the file and print its sequences and their size, but render and write nothing."""
+
+    def execute(self) -> int:
+        """Check the file, make the sequences that are not finished, and describe the dataset."""
+        run, plan = self._runner(), read_plan(self.file)
+        folder = self.out or DATASETS / self.file.stem
+        check_folder(folder, plan, needed_bytes(folder, plan))
+        if self.dry_run:
+            print_plan(plan, len(finished_sequences(folder, plan.sequences)))
+            return 0
+        with progress_bar(_SPEED_OVER_S) as bar:
+            advance = bar.track(f"{self.file.stem}, {len(plan.sequences)} sequences")
+            result = run_dataset(
+                plan,
+                folder,
+                run,
+                use_all_cores=self.jobs == 1,
+                progress=lambda done, total, size: advance(done, total, megabytes(size)),
+            )
+        print_result(result, folder)
+        return 0
+
+    def _runner(self) -> Runner:
+        check_jobs(self.jobs)
+        if self.dask is None:
+            return partial(run_locally, jobs=self.jobs)
+        if self.jobs != ONE_PER_CORE:
+            raise ScenarioError(
+                f"--jobs is {self.jobs} and --dask is {self.dask}. Allowed is only one of them, "
+                "because a cluster has its own workers. Leave the other out."
+            )
+        return partial(run_on_cluster, address=self.dask)
+
+
+def print_plan(plan: DatasetPlan, finished: int) -> None:
+    """Print what is drawn for each sequence, and the size of the dataset."""
+    names = list(dict.fromkeys(name for s in plan.sequences for name in s.drawn))
+    table = Table("sequence", "variant", *names, box=None)
+    for sequence in plan.sequences:
+        parameters = sequence.parameters()
+        cells = (_format(parameters.get(name, "")) for name in names)
+        table.add_row(sequence.name, sequence.variant, *cells)
+    console = SafeConsole(width=_CONSOLE_WIDTH)
+    console.print(table)
+    size = sum(map(estimated_bytes, plan.sequences))
+    console.print(
+        f"{len(plan.sequences)} sequences, together about {_seconds(plan.sequences):.0f} s and "
+        f"{megabytes(size)}; {finished} are finished"
+    )
+
+
+def print_result(result: DatasetResult, folder: Path) -> None:
+    """Print what was made, and what the labels cost."""
+    made, all_of_them = len(result.costs), len(result.summaries)
+    say(
+        f"wrote {folder} and {CHECKSUMS} in it: {all_of_them} sequences, "
+        f"{megabytes(result.size_bytes)}; {all_of_them - made} were finished before"
+    )
+    if made:
+        events_s = sum(cost.events_s for cost in result.costs)
+        labels_s = sum(cost.labels_s for cost in result.costs)
+        say(
+            f"CPU time of a sequence: {events_s / made:.1f} s for its events and "
+            f"{labels_s / made:.1f} s for its labels ({100 * labels_s / events_s:.0f} %)"
+        )
+
+
+def _seconds(sequences: Sequence[SequencePlan]) -> float:
+    return sum(map(duration_s, sequences))
+
+
+def _format(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+if __name__ == "__main__":
+    run_cli(Dataset)

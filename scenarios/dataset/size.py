@@ -1,0 +1,63 @@
+"""Estimated size of a dataset, before anything is rendered."""
+
+from __future__ import annotations
+
+import math
+
+from flybench.direction import Direction
+from scenarios.dataset.labels.kinds import Label
+from scenarios.dataset.plan import SequencePlan
+
+_HALF_VEHICLE_M = 2.5
+"""Half the length of a long vehicle [m]; see `sim/assets`."""
+_EVENTS_PER_PX = 20.0
+"""Events of a pixel that a vehicle crosses (measured: 14 to 20 with the default sensor)."""
+_NOISE_HZ_PER_PX = 6.0
+"""Rate of noise (measured at night; by day it is 0.2 Hz)."""
+_EVENT_BYTES = {Label.EVENT_SOURCE: 1.2, Label.EVENT_FLOW: 3.5}
+"""Size per event of its labels [bytes] (measured), besides that of the event itself."""
+_PLAIN_EVENT_BYTES = 2.9
+_FRAME_BYTES = {
+    Label.FLOW: 0.4,
+    Label.VELOCITY: 0.7,
+    Label.DEPTH: 0.6,
+    Label.MASKS: 0.02,
+    Label.COCO: 0.015,
+    Label.IMAGES: 1.6,
+}
+"""Size per pixel and label [bytes] (measured at 346×260 px by day and by night)."""
+_APS_BYTES_PER_PX, _APS_HZ = 1.02, 40.0
+"""Size per pixel of a frame [bytes], and the rate of frames by day (both measured)."""
+_CAMERA_BYTES_S = 85_000
+"""Size of the camera's poses per second [bytes] (measured)."""
+_OTHER_BYTES = 80_000
+"""Size of all other files of a sequence [bytes] (measured: 40 to 70 kB)."""
+
+
+def duration_s(plan: SequencePlan) -> float:
+    """Return about how long a sequence is [s]; `Crossing.duration_us` is exact."""
+    crossing, lens = plan.crossing, plan.lens
+    level = crossing.direction in (Direction.RIGHT, Direction.LEFT)
+    half_view = lens.half_width_rad if level else lens.half_height_rad
+    reach_m = crossing.distance * math.tan(half_view) + _HALF_VEHICLE_M
+    speed_m_s = crossing.omega_rad_s * crossing.distance
+    return 2 * (reach_m / speed_m_s + crossing.lead_s)
+
+
+def estimated_bytes(plan: SequencePlan) -> int:
+    """Return about how large the folder of a sequence is [bytes].
+
+    It is an estimate for a vehicle in a calm street. Wind, shake and lower contrast thresholds than
+    the default make more events.
+    """
+    seconds, pixels = duration_s(plan), plan.sensor.width * plan.sensor.height
+    times = 1 + seconds * 1e6 / plan.period_us
+    events = pixels * (_EVENTS_PER_PX + _NOISE_HZ_PER_PX * seconds)
+    per_event = _PLAIN_EVENT_BYTES + sum(_EVENT_BYTES.get(label, 0) for label in plan.labels)
+    per_frame = sum(_FRAME_BYTES.get(label, 0) for label in plan.labels)
+    size = events * per_event + pixels * times * per_frame + _OTHER_BYTES
+    if Label.APS in plan.labels:
+        size += pixels * seconds * _APS_HZ * _APS_BYTES_PER_PX
+    if Label.CAMERA in plan.labels:
+        size += _CAMERA_BYTES_S * seconds
+    return round(size)
