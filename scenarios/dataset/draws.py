@@ -77,7 +77,7 @@ def _parameters(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 def _distribution(name: str, entry: Mapping[str, Any]) -> Distribution:
     if name != SENSOR_FILE:
-        return parse_distribution(name, entry, f"[{name.split('.')[0]}] is one value, or")
+        return parse_distribution(name, entry, f"[{name.split('.')[0]}]")
     names = entry.get(CHOICE)
     if set(entry) != {CHOICE} or not isinstance(names, list) or not names:
         raise ScenarioError(

@@ -43,6 +43,12 @@ def check_folder(folder: Path, plan: DatasetPlan, needed_bytes: int) -> None:
         OutputError: the folder holds anything but sequences of this dataset, cannot be created, or
             its disk has too little free space.
     """
+    if leftover := _leftover(folder, plan):
+        raise OutputError(
+            f"The output folder {folder} holds {len(leftover)} sequences of another dataset, such "
+            f"as {leftover[0]}. Allowed are those that the file describes. Remove them, or choose "
+            "another folder with --out."
+        )
     check_output_folder(
         folder, needed_bytes=needed_bytes, other_files=lambda place: _other_files(place, plan)
     )
@@ -56,13 +62,22 @@ def _other_files(folder: Path, plan: DatasetPlan) -> list[str]:
         return sorted(names)
     own = {LOCK, COPY, *results_of(plan.spec.counts)}
     own |= {f".{name}.part" for name in own} | set(plan.spec.counts)
-    others = sorted(names - own)
     wanted = {sequence.name for sequence in plan.sequences}
-    for split in plan.spec.counts:
-        if (folder / split).is_dir():
-            found = (f"{split}/{path.name}" for path in (folder / split).iterdir())
-            others += sorted(name for name in found if name.removesuffix(SUFFIX) not in wanted)
-    return others
+    found = {name.removesuffix(SUFFIX) for name in _in_splits(folder, plan)}
+    return sorted(names - own) + sorted(found - wanted)
+
+
+def _leftover(folder: Path, plan: DatasetPlan) -> list[str]:
+    """Return the finished sequences in the folder that the dataset does not have."""
+    wanted = {sequence.name for sequence in plan.sequences}
+    others = (name for name in _in_splits(folder, plan) if name not in wanted)
+    return sorted(name for name in others if _summary(folder / name).get("command") == "dataset")
+
+
+def _in_splits(folder: Path, plan: DatasetPlan) -> list[str]:
+    """Return the paths of everything in the folders of the splits, relative to the folder."""
+    places = [folder / split for split in plan.spec.counts if (folder / split).is_dir()]
+    return [f"{place.name}/{path.name}" for place in places for path in place.iterdir()]
 
 
 @contextmanager
