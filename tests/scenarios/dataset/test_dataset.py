@@ -223,7 +223,8 @@ def test_frames_have_their_exposures(sequence: tuple[Crossing, Path]) -> None:
     assert (exposures[:, 1] > exposures[:, 0]).all()
     for path in frames:
         image = read_image(path)
-        assert (image.dtype, image.shape) == (np.uint16, (64, 96))
+        assert image.dtype == np.uint16
+        assert image.shape == (64, 96)
         assert 0 < image.max() <= 1023
 
 

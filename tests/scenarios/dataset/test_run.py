@@ -66,7 +66,7 @@ def test_a_dataset_that_is_killed_and_resumed_has_the_same_files(
 
 def test_the_checksums_are_those_of_all_files(made: tuple[Path, Path]) -> None:
     lines = (made[1] / CHECKSUMS).read_text().splitlines()
-    listed = dict(reversed(line.split("  ")) for line in lines)
+    listed = {line.split("  ")[1]: line.split("  ")[0] for line in lines}
     assert set(listed) == set(contents(made[1])) - {CHECKSUMS, LOCK}
     assert all(file_digest(made[1] / name) == digest for name, digest in listed.items())
 
@@ -93,9 +93,7 @@ def test_a_changed_file_replaces_only_what_it_changes(
     make_quickly(made[0], folder)
     more = write_spec(tmp_path / "more.toml", QUICK.replace("train = 9", "train = 11"))
     assert len(make_quickly(more, folder).costs) == 2
-    with pytest.raises(
-        OutputError, match=r"holds 2 sequences of another dataset, such as"
-    ):
+    with pytest.raises(OutputError, match=r"holds 2 sequences of another dataset, such as"):
         make_quickly(made[0], folder)
     other = write_spec(
         tmp_path / "other.toml", QUICK.replace("train = 9", "train = 11").replace("8", "9")

@@ -1,0 +1,52 @@
+"""The documented example of a DataLoader. It needs PyTorch, which is large, and skips without."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[3] / "docs" / "datasets.md"
+
+
+def test_the_documented_loader_runs(root: Path, tmp_path: Path) -> None:
+    pytest.importorskip("torch")
+    (code,) = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+    script = tmp_path / "example.py"
+    script.write_text(code)
+    shutil.copytree(root, tmp_path / "logs/dataset/streets")
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert len(lines) >= 2
+    assert lines[0].startswith("torch.Size([2, 5, 64, 96]) torch.Size([2, 2, 64, 96]) tensor([")
+
+
+def test_a_batch_holds_tensors_where_samples_agree_and_lists_elsewhere(root: Path) -> None:
+    torch = pytest.importorskip("torch")
+    from scenarios.datasets import EventDataset, collate
+
+    samples = EventDataset(root, window_us=20_000, labels=["depth", "boxes", "motion"])
+    batch = collate([samples[1], samples[2]])
+    assert batch["depth"].shape == (2, 64, 96)
+    assert batch["depth"].dtype == torch.float32
+    assert batch["direction"].tolist() == [samples[1]["direction"], samples[2]["direction"]]
+    assert isinstance(batch["events"], list)
+    assert isinstance(batch["boxes"], list)
+    assert len(batch["events"][1]) == len(samples[2]["events"])
+    assert batch["sequence"] == [samples[1]["sequence"], samples[2]["sequence"]]
+
+
+def test_the_dataset_loads_without_torch() -> None:
+    script = "import sys, scenarios.datasets; print('torch' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "False\n"), done.stderr
