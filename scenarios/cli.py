@@ -11,7 +11,7 @@ from scenarios.commands.characterise import Characterise
 from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
 from scenarios.commands.convert import Convert
-from scenarios.commands.dataset import Dataset
+from scenarios.commands.data.dataset import Dataset
 from scenarios.commands.demo import Demo
 from scenarios.commands.detect import Detect
 from scenarios.commands.doctor import Doctor

@@ -7,13 +7,18 @@ import math
 from flybench.direction import Direction
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.plan import SequencePlan
+from sim import Lighting, VehicleKind
 
-_HALF_VEHICLE_M = 2.5
-"""Half the length of a long vehicle [m]; see `sim/assets`."""
-_EVENTS_PER_PX = 20.0
-"""Events of a pixel that a vehicle crosses (measured: 14 to 20 with the default sensor)."""
-_NOISE_HZ_PER_PX = 6.0
-"""Rate of noise (measured at night; by day it is 0.2 Hz)."""
+_VEHICLE_M = {
+    VehicleKind.SEDAN: (2.3, 1.8),
+    VehicleKind.VAN: (2.56, 2.16),
+    VehicleKind.MOTORCYCLE: (1.05, 0.8),
+}
+"""Half the length and the width of each vehicle [m]; see `sim/assets`."""
+_EVENTS_PER_PX = 17.0
+"""Events per pixel in a crossing, without noise (measured: 11 to 17 with the default sensor)."""
+_NOISE_HZ_PER_PX = {Lighting.DAY: 0.3, Lighting.DUSK: 2.0, Lighting.NIGHT: 9.0}
+"""Rate of noise by time of day (measured by day and at night; assumed at dusk)."""
 _EVENT_BYTES = {Label.EVENT_SOURCE: 1.2, Label.EVENT_FLOW: 3.5}
 """Size per event of its labels [bytes] (measured), besides that of the event itself."""
 _PLAIN_EVENT_BYTES = 2.9
@@ -26,8 +31,10 @@ _FRAME_BYTES = {
     Label.IMAGES: 1.6,
 }
 """Size per pixel and label [bytes] (measured at 346×260 px by day and by night)."""
-_APS_BYTES_PER_PX, _APS_HZ = 1.02, 40.0
-"""Size per pixel of a frame [bytes], and the rate of frames by day (both measured)."""
+_APS_BYTES_PER_PX = 1.02
+"""Size per pixel of a frame [bytes] (measured)."""
+_APS_HZ = {Lighting.DAY: 40.0, Lighting.DUSK: 20.0, Lighting.NIGHT: 5.0}
+"""Rate of frames by time of day (measured by day and at night; assumed at dusk)."""
 _CAMERA_BYTES_S = 85_000
 """Size of the camera's poses per second [bytes] (measured)."""
 _OTHER_BYTES = 80_000
@@ -39,7 +46,8 @@ def duration_s(plan: SequencePlan) -> float:
     crossing, lens = plan.crossing, plan.lens
     level = crossing.direction in (Direction.RIGHT, Direction.LEFT)
     half_view = lens.half_width_rad if level else lens.half_height_rad
-    reach_m = crossing.distance * math.tan(half_view) + _HALF_VEHICLE_M
+    half_length_m, width_m = _VEHICLE_M[crossing.vehicle]
+    reach_m = (crossing.distance + width_m) * math.tan(half_view) + half_length_m
     speed_m_s = crossing.omega_rad_s * crossing.distance
     return 2 * (reach_m / speed_m_s + crossing.lead_s)
 
@@ -52,12 +60,12 @@ def estimated_bytes(plan: SequencePlan) -> int:
     """
     seconds, pixels = duration_s(plan), plan.sensor.width * plan.sensor.height
     times = 1 + seconds * 1e6 / plan.period_us
-    events = pixels * (_EVENTS_PER_PX + _NOISE_HZ_PER_PX * seconds)
+    events = pixels * (_EVENTS_PER_PX + _NOISE_HZ_PER_PX[plan.crossing.lighting] * seconds)
     per_event = _PLAIN_EVENT_BYTES + sum(_EVENT_BYTES.get(label, 0) for label in plan.labels)
     per_frame = sum(_FRAME_BYTES.get(label, 0) for label in plan.labels)
     size = events * per_event + pixels * times * per_frame + _OTHER_BYTES
     if Label.APS in plan.labels:
-        size += pixels * seconds * _APS_HZ * _APS_BYTES_PER_PX
+        size += pixels * seconds * _APS_HZ[plan.crossing.lighting] * _APS_BYTES_PER_PX
     if Label.CAMERA in plan.labels:
         size += _CAMERA_BYTES_S * seconds
     return round(size)

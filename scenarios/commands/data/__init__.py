@@ -1,0 +1,1 @@
+"""Commands that make data for others, and measure what filters do to it."""
