@@ -34,7 +34,7 @@ LAYERS = {
         "characterisation"
     ),
     "detector": (
-        "errors estimate event_checks windowed decision fly metrics frame_fly "
+        "errors estimate event_checks denoise windowed decision fly metrics frame_fly "
         "contrast_maximisation plane_fit space_time_filters spiking_delays time_difference"
     ),
     "formats": (
@@ -45,7 +45,7 @@ LAYERS = {
     "scenarios": (
         "errors output pipeline options recording runs datasheet convergence "
         "detect convert validate event_statistics compare emulate calibrate envelope sweep "
-        "velocity_sweep study dataset datasets commands cli"
+        "velocity_sweep study dataset datasets denoise commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

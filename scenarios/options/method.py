@@ -6,9 +6,13 @@ from typing import Annotated
 
 import tyro
 
+from detector.denoise import FILTERS
 from scenarios.pipeline.registry import DETECTORS
 
-ALLOWED_METHODS = f"{', '.join(DETECTORS)}, or your own class, as package.module:Class"
+ALLOWED_METHODS = (
+    f"{', '.join(DETECTORS)}, or your own class, as package.module:Class; with a filter of events "
+    f"before it ({', '.join(FILTERS)}), as stcf+fly"
+)
 """Names that `--method` takes, for the help."""
 
 MethodName = Annotated[

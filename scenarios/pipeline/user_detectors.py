@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from detector import Detector
+from detector.denoise import FILTERS, filtered
 from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
@@ -28,10 +29,10 @@ class DetectorFactory(Protocol):
 
 @dataclass(frozen=True)
 class UserDetector:
-    """A detector class that the user wrote.
+    """A detector class that the user wrote, or any detector behind a filter.
 
     Attributes:
-        name: name as the user gave it, "package.module:Class".
+        name: name as the user gave it, "package.module:Class" or "filter+detector".
         make: function that returns a fresh detector for a sensor of a given size.
     """
 
@@ -44,14 +45,18 @@ def find_method(name: str) -> DetectorEntry | UserDetector:
 
     Args:
         name: a name in `DETECTORS`, or "package.module:Class" for a class that Python can import
-            from its module search path or from the current folder.
+            from its module search path or from the current folder. With the name of a filter and
+            "+" before it, such as "stcf+fly", the detector sees only what the filter keeps.
 
     Raises:
-        MethodError: the name, module or class does not exist, or the class does not follow the
-            protocol `detector.Detector`.
+        MethodError: the name, module, class or filter does not exist, or the class does not follow
+            the protocol `detector.Detector`.
     """
     if name in DETECTORS:
         return DETECTORS[name]
+    before, plus, after = name.partition("+")
+    if plus:
+        return _behind_filter(name, before, find_method(after))
     module_name, colon, class_name = name.partition(":")
     if not (colon and class_name and module_name):
         raise MethodError(
@@ -59,6 +64,22 @@ def find_method(name: str) -> DetectorEntry | UserDetector:
             "for a class of yours. Choose one of them."
         )
     return UserDetector(name, _class_factory(name, _import(module_name, name), class_name))
+
+
+def _behind_filter(
+    name: str, filter_name: str, method: DetectorEntry | UserDetector
+) -> UserDetector:
+    if filter_name not in FILTERS:
+        raise MethodError(
+            f"The method is {name!r}, and there is no filter {filter_name!r}. Allowed before the + "
+            f"is one of {', '.join(FILTERS)}. Choose one of them, or leave it out."
+        )
+
+    def make(*, width: int, height: int) -> Detector:
+        event_filter = FILTERS[filter_name](width=width, height=height)
+        return filtered(event_filter, method.make(width=width, height=height))
+
+    return UserDetector(name, make)
 
 
 def _import(module_name: str, method: str) -> ModuleType:
