@@ -12,6 +12,7 @@ from scenarios.commands.compare import Compare
 from scenarios.commands.converge import Converge
 from scenarios.commands.convert import Convert
 from scenarios.commands.data.dataset import Dataset
+from scenarios.commands.data.denoise import Denoise
 from scenarios.commands.demo import Demo
 from scenarios.commands.detect import Detect
 from scenarios.commands.doctor import Doctor
@@ -42,6 +43,7 @@ Commands = (
     | Annotated[Study, subcommand("study")]
     | Annotated[Sweep, subcommand("sweep")]
     | Annotated[Dataset, subcommand("dataset")]
+    | Annotated[Denoise, subcommand("denoise")]
     | Annotated[VelocitySweep, subcommand("velocity-sweep")]
     | Annotated[Envelope, subcommand("envelope")]
     | Annotated[Calibrate, subcommand("calibrate")]

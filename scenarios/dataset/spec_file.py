@@ -105,7 +105,7 @@ def _parse(path: Path, text: str, tables: dict[str, Any]) -> DatasetSpec:
         seed=_SEEDS.check(_SEED, tables.get(_SEED, 0), ScenarioError),
         counts=_counts(splits),
         disjoint=_disjoint(splits.get(_DISJOINT, [])),
-        labels=_labels(labels, base, variants),
+        labels=_labels(labels, _frameless(path, base, variants)),
         period_us=1000
         * _PERIOD_MS.check(
             f"{_LABELS}.{_PERIOD}", labels.get(_PERIOD, DEFAULT_PERIOD_MS), ScenarioError
@@ -163,16 +163,22 @@ def _disjoint(value: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(value))
 
 
-def _labels(table: Mapping[str, Any], base: Draws, variants: Mapping[str, Draws]) -> Any:
+def _labels(table: Mapping[str, Any], frameless: list[str]) -> tuple[Label, ...]:
     """Return the labels of the file; by default all that every sensor of the file can give."""
     key = f"{_LABELS}.{_WANTED}"
-    presets = values_of(PRESET, base, variants)
-    frameless = [name for name in presets if name in WITHOUT_FRAMES]
     if _WANTED not in table:
         return tuple(label for label in Label if label is not Label.APS or not frameless)
     labels = parse_labels(key, table[_WANTED])
     check_frames(key, labels, frameless)
     return labels
+
+
+def _frameless(spec: Path, base: Draws, variants: Mapping[str, Draws]) -> list[str]:
+    """Return the presets and files of sensors whose chips record no frames."""
+    presets = {name: name for name in values_of(PRESET, base, variants)}
+    for name in _sensor_files(base, variants):
+        presets[name] = read_toml(spec.parent / name, ScenarioError)[1].get("preset")
+    return [name for name, chip in presets.items() if chip in WITHOUT_FRAMES]
 
 
 def _variants(tables: Mapping[str, Any]) -> dict[str, Draws]:

@@ -90,13 +90,13 @@ def check_frames(key: str, labels: Sequence[Label], frameless: Sequence[str]) ->
     Args:
         key: key of the labels in the file, for messages.
         labels: labels that the file asks for.
-        frameless: presets of the file that have no frames.
+        frameless: presets and files of sensors that have no frames.
 
     Raises:
         ScenarioError: frames are asked for, and a sensor has none.
     """
     if Label.APS in labels and frameless:
         raise ScenarioError(
-            f"{key} holds 'aps', and sensor.preset is {frameless[0]!r}, which has no frames. "
+            f"{key} holds 'aps', and the sensor may be {frameless[0]!r}, which has no frames. "
             "Remove 'aps', or choose davis346 or davis240."
         )

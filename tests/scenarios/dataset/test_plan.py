@@ -72,6 +72,11 @@ def test_labels_are_all_by_default_but_frames_of_a_sensor_without(tmp_path: Path
     assert plan(tmp_path, text).spec.labels == tuple(Label)
     frameless = plan(tmp_path, text + '\n[sensor]\npreset = "dvs128"').spec.labels
     assert set(Label) - set(frameless) == {Label.APS}
+    (tmp_path / "mine.toml").write_text('preset = "atis"')
+    file = text + '\n[sensor]\nfile = "mine.toml"\n'
+    assert plan(tmp_path, file).spec.labels == frameless
+    with pytest.raises(DatasetSpecError, match=r"may be 'mine\.toml', which has no frames"):
+        plan(tmp_path, file + '[labels]\nwanted = ["aps"]')
 
 
 def test_a_change_of_the_sensor_replaces_its_source() -> None:
@@ -105,7 +110,7 @@ BAD = {
     SPLITS + '[labels]\nwanted = ["disparity"]': r"holds 'disparity'\. The scene has one camera",
     SPLITS + '[labels]\nwanted = ["coco"]': r"holds 'coco' without 'images'\. .* Add 'images'",
     SPLITS + '[labels]\nwanted = ["aps"]\n[sensor]\npreset = "dvs128"': (
-        r"holds 'aps', and sensor\.preset is 'dvs128', which has no frames\. Remove 'aps'"
+        r"holds 'aps', and the sensor may be 'dvs128', which has no frames\. Remove 'aps'"
     ),
     SPLITS + "[labels]\nperiod_ms = 0": r"labels\.period_ms is 0\. Allowed is a whole number from",
     SPLITS + "[crossing]\nomega = 1": r"no parameter crossing\.omega\. Similar names",

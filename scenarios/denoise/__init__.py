@@ -1,0 +1,1 @@
+"""What filters of noise do to events and to detectors, by illuminance."""
