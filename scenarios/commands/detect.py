@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -26,7 +26,7 @@ from scenarios.detect.run_detector import RecordingSlice, run_detector
 from scenarios.detect.spans import LEAST_SPAN_US
 from scenarios.detect.verdict import LEAST_SHARE, RecordingVerdict, memory_us, percent
 from scenarios.errors import ScenarioError
-from scenarios.options.method import MethodName
+from scenarios.options.method import FilterName, MethodName, behind_filter
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.streams import SafeConsole, own_output
@@ -53,6 +53,7 @@ class Detect:
         ),
     ]
     method: MethodName = FLY
+    filter: FilterName = None
     json: bool = False
     """Print one JSON document with estimates, verdict and file statistics instead of tables."""
     rrd: Annotated[
@@ -73,6 +74,9 @@ class Detect:
 
     def execute(self) -> int:
         """Read the recording and print the estimates and the verdict."""
+        if self.filter is not None:
+            method = behind_filter(self.filter, self.method)
+            return replace(self, method=method, filter=None).execute()
         path = events_file(self.file)
         self._check_outputs(path)
         check_not_rerun(path)

@@ -13,7 +13,7 @@ from flybench.direction import Direction
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.distractors import DistractorOptions
-from scenarios.options.method import MethodName
+from scenarios.options.method import FilterName, MethodName, behind_filter
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import check_output_folder
 from scenarios.output.terminal import progress_bar, report_failures, run_cli
@@ -93,6 +93,7 @@ class Run:
     seed: int = 0
     """Seed of the sensor's mismatch and noise, 0 to 2^32 - 1. Equal seeds give equal events."""
     method: MethodName = FLY
+    filter: FilterName = None
     also: Annotated[
         tuple[str, ...],
         tyro.conf.arg(metavar="NAME ...", help_behavior_hint="(default: no other detectors)"),
@@ -149,7 +150,8 @@ class Run:
             distractors=self.distractors.checked(),
         )
         crossing = replace(crossing, omega_rad_s=self._omega(lighting))
-        return RunConfig(crossing, self._sensor(), method=self.method, seed=self.seed)
+        method = behind_filter(self.filter, self.method)
+        return RunConfig(crossing, self._sensor(), method=method, seed=self.seed)
 
     def execute(self) -> int:
         """Run the sequence, write its folder and print a table of the results."""

@@ -1,8 +1,8 @@
-"""The option that chooses a detector; its help lists every detector of the registry."""
+"""The options that choose a detector and a filter before it; their help lists all names."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -38,3 +38,18 @@ RepeatedMethod = Annotated[
     tyro.conf.UseAppendAction,
 ]
 """One or more detectors, each given by a separate option."""
+
+FilterName = Annotated[
+    Literal["baf", "stcf", "time-surface", "double-window"] | None,
+    tyro.conf.arg(
+        metavar="|".join(FILTERS),
+        help="Filter of noise that the events pass before the detector; see `flybench denoise`.",
+        help_behavior_hint="(default: no filter)",
+    ),
+]
+"""One filter, or none."""
+
+
+def behind_filter(event_filter: FilterName, method: str) -> str:
+    """Return the name of a method behind a filter, such as "stcf+fly"."""
+    return method if event_filter is None else f"{event_filter}+{method}"

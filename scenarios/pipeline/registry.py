@@ -241,8 +241,12 @@ DETECTORS: dict[str, DetectorEntry] = {entry.name: entry for entry in _ENTRIES}
 
 
 def gives_velocity(method: str) -> bool:
-    """Return True if a method's responses are image velocities [px/s]; False for user classes."""
-    return method in DETECTORS and DETECTORS[method].gives_velocity
+    """Return True if a method's responses are image velocities [px/s]; False for user classes.
+
+    A filter before the method, as in "stcf+plane-fit", does not matter.
+    """
+    detector = method.rpartition("+")[2]
+    return detector in DETECTORS and DETECTORS[detector].gives_velocity
 
 
 def study_sensors(method: str) -> float:

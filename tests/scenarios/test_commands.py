@@ -70,6 +70,10 @@ def test_speed_and_angular_velocity_agree() -> None:
     assert Run(lighting="night").config().crossing.lighting is Lighting.NIGHT
 
 
+def test_a_filter_is_part_of_the_method_of_a_run() -> None:
+    assert Run(filter="baf", method="wide").config().method == "baf+wide"
+
+
 def test_parameters_have_dotted_names() -> None:
     parameters = RunConfig(seed=3).parameters()
     assert parameters["crossing.omega_rad_s"] == 1.61

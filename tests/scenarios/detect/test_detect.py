@@ -62,6 +62,20 @@ def test_it_prints_estimates_and_verdict(
         assert words in out
 
 
+def test_a_filter_stands_before_the_detector(
+    recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    documents = []
+    for options in ({}, {"filter": "stcf"}, {"method": "stcf+fly"}):
+        arguments: Any = {"json": True} | options
+        assert execute(Detect(recording, **arguments)) == 0
+        documents.append(json.loads(capsys.readouterr().out))
+    plain, by_option, by_name = documents
+    assert by_option == by_name
+    assert by_option["method"] == "stcf+fly"
+    assert by_option["steps"] != plain["steps"]
+
+
 def test_with_json_standard_output_is_one_document(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

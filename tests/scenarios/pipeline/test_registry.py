@@ -15,7 +15,7 @@ from detector.plane_fit.detector import PlaneFit
 from detector.space_time_filters.detector import SpaceTimeFilters
 from detector.spiking_delays.detector import SpikingDelays
 from detector.time_difference.detector import TimeDifference
-from scenarios.pipeline.registry import DETECTORS
+from scenarios.pipeline.registry import DETECTORS, gives_velocity
 
 
 @pytest.mark.parametrize(("name", "preset"), [("fly", "paper"), ("wide", "wide")])
@@ -60,3 +60,8 @@ def test_the_entries_without_attention_differ_in_nothing_else() -> None:
         expected = replace(DETECTORS[name].config, attention=Attention.EVERYWHERE)
         assert other.config == expected
         assert not other.in_study
+
+
+def test_a_filter_does_not_change_what_a_response_means() -> None:
+    methods = ("plane-fit", "stcf+plane-fit", "fly", "stcf+fly", "my.module:Class")
+    assert [gives_velocity(method) for method in methods] == [True, True, False, False, False]
