@@ -34,6 +34,7 @@ Each sequence is a folder with the layout of [DSEC](https://dsec.ifi.uzh.ch/data
 | `object_detections/left/coco.json` | the same as COCO, with masks; `annotations_SPLIT.json` joins them |
 | `motion.csv` | direction, angular velocity, image velocity, distance and visibility of every object |
 | `calibration/cam_to_cam.yaml`, `poses.csv` | intrinsics; position and rotation of the camera every millisecond |
+| `shard.tar` | one sample for each label but the last, for WebDataset: the events until the next label (`events.npy`), the images of the label, and `json` |
 | `aps/` | frames of the sensor, 10 bits, with `exposure_timestamps.txt` |
 | `summary.json` | every parameter, the objects by number, counts, versions, checksums |
 

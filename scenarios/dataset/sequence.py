@@ -22,6 +22,7 @@ from scenarios.dataset.labels.frames import (
 )
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import write_png
+from scenarios.dataset.labels.shard import write_shard
 from scenarios.dataset.plan import SequencePlan
 from scenarios.output.atomic_folder import atomic_folder, write_summary
 from scenarios.output.versions import versions
@@ -129,6 +130,9 @@ def _write_labels(
         with Preview(crossing) as preview:
             for number, t_us in enumerate(times_us):
                 write_png(work / IMAGES / file_name(number), preview.render(t_us, scale=1.0))
+    if Label.SHARD in plan.labels:
+        facts = {"direction": plan.crossing.direction, "variant": plan.variant}
+        write_shard(work, work / EVENTS, times_us, plan.name, facts)
     return boxes
 
 

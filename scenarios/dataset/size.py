@@ -22,6 +22,8 @@ _NOISE_HZ_PER_PX = {Lighting.DAY: 0.3, Lighting.DUSK: 2.0, Lighting.NIGHT: 9.0}
 _EVENT_BYTES = {Label.EVENT_SOURCE: 1.2, Label.EVENT_FLOW: 3.5}
 """Size per event of its labels [bytes] (measured), besides that of the event itself."""
 _PLAIN_EVENT_BYTES = 2.9
+_PLAIN_RECORD_BYTES = 13
+"""Size of an event in a shard [bytes]."""
 _FRAME_BYTES = {
     Label.FLOW: 0.4,
     Label.VELOCITY: 0.7,
@@ -64,6 +66,8 @@ def estimated_bytes(plan: SequencePlan) -> int:
     per_event = _PLAIN_EVENT_BYTES + sum(_EVENT_BYTES.get(label, 0) for label in plan.labels)
     per_frame = sum(_FRAME_BYTES.get(label, 0) for label in plan.labels)
     size = events * per_event + pixels * times * per_frame + _OTHER_BYTES
+    if Label.SHARD in plan.labels:
+        size += events * _PLAIN_RECORD_BYTES + pixels * times * per_frame
     if Label.APS in plan.labels:
         size += pixels * seconds * _APS_HZ[plan.crossing.lighting] * _APS_BYTES_PER_PX
     if Label.CAMERA in plan.labels:

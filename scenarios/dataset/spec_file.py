@@ -21,7 +21,7 @@ from scenarios.dataset.draws import (
     table_of,
     values_of,
 )
-from scenarios.dataset.labels.kinds import Label, check_frames, parse_labels
+from scenarios.dataset.labels.kinds import BY_DEFAULT, Label, check_frames, parse_labels
 from scenarios.dataset.splits import check_name as check_split_name
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import sensor_of
@@ -164,10 +164,10 @@ def _disjoint(value: Any) -> tuple[str, ...]:
 
 
 def _labels(table: Mapping[str, Any], frameless: list[str]) -> tuple[Label, ...]:
-    """Return the labels of the file; by default all that every sensor of the file can give."""
+    """Return the labels of the file; by default those that every sensor of the file can give."""
     key = f"{_LABELS}.{_WANTED}"
     if _WANTED not in table:
-        return tuple(label for label in Label if label is not Label.APS or not frameless)
+        return tuple(label for label in BY_DEFAULT if label is not Label.APS or not frameless)
     labels = parse_labels(key, table[_WANTED])
     check_frames(key, labels, frameless)
     return labels

@@ -1,6 +1,7 @@
 """CPU time and size of a sequence of a dataset with all labels, and of a sample for training."""
 
 import time
+from itertools import cycle
 from pathlib import Path
 from time import process_time
 
@@ -41,7 +42,7 @@ def test_a_sequence(benchmark: BenchmarkFixture, spec: Path, tmp_path: Path, lig
     plan = read_plan(spec).sequences[["day", "night"].index(lighting)]
     make_sequence(plan, tmp_path / "warm")
     start_s = time.process_time()
-    cost = benchmark.pedantic(make_sequence, (plan, tmp_path / "out"), rounds=1)
+    cost = benchmark.pedantic(make_sequence, (plan, tmp_path / "out"), rounds=1)  # type: ignore[no-untyped-call]
     cpu_s = time.process_time() - start_s
     size = sum(path.stat().st_size for path in (tmp_path / "out").rglob("*") if path.is_file())
     benchmark.extra_info["labels_per_events"] = round(cost.labels_s / cost.events_s, 2)
@@ -70,11 +71,7 @@ def test_a_sample(benchmark: BenchmarkFixture, dataset: Path, form: str) -> None
         labels=["flow", "motion"],
     )
 
-    def read_all() -> None:
-        for k in range(len(samples)):
-            samples[k]
-
-    read_all()
-    benchmark.pedantic(read_all, rounds=3)
-    benchmark.extra_info["samples"] = len(samples)
-    benchmark.extra_info["ms_per_sample"] = round(1e3 * benchmark.stats["min"] / len(samples), 2)
+    numbers = cycle(range(len(samples)))
+    for k in range(len(samples)):
+        samples[k]
+    benchmark(lambda: samples[next(numbers)])

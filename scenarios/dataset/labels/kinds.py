@@ -24,7 +24,11 @@ class Label(StrEnum):
     CAMERA = "camera"
     APS = "aps"
     IMAGES = "images"
+    SHARD = "shard"
 
+
+BY_DEFAULT = tuple(label for label in Label if label is not Label.SHARD)
+"""Labels of a file that names none; a shard repeats the others and doubles the size."""
 
 CONTENTS = {
     Label.FLOW: "displacement of every pixel to the next and to the previous label, 16-bit PNG",
@@ -39,6 +43,7 @@ CONTENTS = {
     Label.CAMERA: "intrinsics, and the pose of the camera every millisecond",
     Label.APS: "frames of the sensor, 16-bit PNG, with the times of their exposure",
     Label.IMAGES: "colour preview at the time of every label, 8-bit PNG",
+    Label.SHARD: "events and images of all samples as one tar file, for WebDataset",
 }
 """What each label is, for the dataset's card."""
 

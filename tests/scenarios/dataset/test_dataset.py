@@ -2,8 +2,10 @@
 
 import csv
 import hashlib
+import io
 import json
 import math
+import tarfile
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -192,6 +194,35 @@ def test_every_event_has_its_source_cause_and_flow(sequence: tuple[Crossing, Pat
     counts = json.loads((folder / "summary.json").read_text())["events"]
     assert counts["count"] == len(events)
     assert list(counts["by_cause"].values()) == np.bincount(cause, minlength=4).tolist()
+
+
+def test_a_shard_holds_the_same_events_and_images_sample_by_sample(
+    sequence: tuple[Crossing, Path],
+) -> None:
+    folder = sequence[1]
+    times = np.loadtxt(folder / "images/timestamps.txt", np.int64)
+    samples: dict[str, dict[str, bytes]] = {}
+    with tarfile.open(folder / "shard.tar") as tar:
+        for member in tar:
+            key, _, ending = member.name.partition(".")
+            content = tar.extractfile(member)
+            assert content is not None
+            assert list(samples)[-1:] in ([key], []) or key not in samples  # one after another
+            samples.setdefault(key, {})[ending] = content.read()
+    assert len(samples) == len(times) - 1
+    with h5py.File(folder / "events/left/events.h5") as file:
+        t = file["events/t"][:]
+    for k, (key, files) in enumerate(samples.items()):
+        assert key == f"train_{folder.name}_{k:06d}"
+        document = json.loads(files["json"])
+        assert [document["t_us"], document["next_t_us"]] == times[k : k + 2].tolist()
+        assert document["direction"] == sequence[0].config.direction.value
+        events = np.load(io.BytesIO(files["events.npy"]))
+        inside = t[(t >= times[k]) & (t < times[k + 1])]
+        assert (events["t"] == inside).all()
+        assert files["flow.png"] == (folder / f"flow/forward/{k:06d}.png").read_bytes()
+        assert files["image.png"] == (folder / f"images/left/distorted/{k:06d}.png").read_bytes()
+        assert ("flow_backward.png" in files) == (k > 0)
 
 
 def test_direction_speed_and_camera_are_stated(sequence: tuple[Crossing, Path]) -> None:

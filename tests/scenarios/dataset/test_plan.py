@@ -67,11 +67,14 @@ def test_sensors_come_from_presets_and_files(tmp_path: Path) -> None:
     assert plan(tmp_path, changed).sequences[0].key() != made.sequences[0].key()
 
 
-def test_labels_are_all_by_default_but_frames_of_a_sensor_without(tmp_path: Path) -> None:
+def test_labels_are_all_by_default_but_shards_and_frames_of_a_sensor_without(
+    tmp_path: Path,
+) -> None:
     text = HEAD + "[splits]\na = 1"
-    assert plan(tmp_path, text).spec.labels == tuple(Label)
+    by_default = [label for label in Label if label is not Label.SHARD]
+    assert plan(tmp_path, text).spec.labels == tuple(by_default)
     frameless = plan(tmp_path, text + '\n[sensor]\npreset = "dvs128"').spec.labels
-    assert set(Label) - set(frameless) == {Label.APS}
+    assert set(by_default) - set(frameless) == {Label.APS}
     (tmp_path / "mine.toml").write_text('preset = "atis"')
     file = text + '\n[sensor]\nfile = "mine.toml"\n'
     assert plan(tmp_path, file).spec.labels == frameless

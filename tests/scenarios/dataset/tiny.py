@@ -25,6 +25,12 @@ train = 2
 test = 1
 disjoint = ["street", "vehicle"]
 
+[labels]
+wanted = [
+    "flow", "velocity", "depth", "masks", "boxes", "coco", "event_source", "event_flow", "motion",
+    "camera", "aps", "images", "shard",
+]
+
 [sensor]
 width = 96
 height = 64
