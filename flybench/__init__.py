@@ -65,6 +65,7 @@ if TYPE_CHECKING:
         write_events,
     )
     from scenarios import EventCamera
+    from scenarios.datasets import EventDataset
     from sim import (
         Crossing,
         CrossingConfig,
@@ -157,6 +158,7 @@ _MODULES = {
         "write_events",
     ),
     "scenarios": ("EventCamera",),
+    "scenarios.datasets": ("EventDataset",),
 }
 
 __all__ = [
@@ -174,6 +176,7 @@ __all__ = [
     "Direction",
     "Distractors",
     "EventCamera",
+    "EventDataset",
     "EventError",
     "EventFile",
     "EventSensor",

@@ -18,8 +18,9 @@ from scenarios.dataset.folder import (
     TABLE,
     annotations_file,
 )
-from scenarios.dataset.labels.boxes import COCO, write_json
+from scenarios.dataset.labels.boxes import write_json
 from scenarios.dataset.labels.kinds import Label
+from scenarios.dataset.layout import COCO
 from scenarios.dataset.plan import DatasetPlan, SequencePlan, code_digest
 from scenarios.dataset.sequence import file_digest
 from scenarios.output.atomic_folder import GENERATOR, SUMMARY

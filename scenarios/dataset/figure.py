@@ -10,10 +10,10 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from scenarios.dataset.labels.boxes import CLASSES, TRACKS
-from scenarios.dataset.labels.frames import FORWARD, IMAGES, file_name
+from scenarios.dataset.labels.boxes import CLASSES
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import decode_flow, read_png
+from scenarios.dataset.layout import EVENTS, FORWARD, IMAGES, TRACKS, file_name
 from scenarios.dataset.plan import DatasetPlan
 from scenarios.output.figures import figure_file, literal
 
@@ -53,7 +53,7 @@ def _draw_sequence(
     """Draw events, and image and flow where there are any, at the middle label."""
     place, middle = folder / summary["sequence"], summary["label_times"] // 2
     t_us = middle * summary["period_us"]
-    axes[0].imshow(_event_image(place / "events/left/events.h5", t_us), interpolation="nearest")
+    axes[0].imshow(_event_image(place / EVENTS, t_us), interpolation="nearest")
     axes[0].set_title(f"{literal(summary['sequence'])}: events of {_WINDOW_US / 1000:g} ms")
     _draw_boxes(axes[0], place / TRACKS, t_us)
     for axis, label in zip(axes[1:], panels, strict=False):

@@ -111,9 +111,14 @@ def dataset_folder(folder: Path, plan: DatasetPlan, needed_bytes: int) -> Iterat
 def finished_sequences(
     folder: Path, sequences: Sequence[SequencePlan]
 ) -> dict[str, Mapping[str, Any]]:
-    """Return the summaries of the sequences that are finished in a folder, by name."""
+    """Return the summaries of the sequences in a folder that have all their files, by name."""
     found = {s.name: (_summary(folder / s.name), s) for s in sequences}
-    return {name: summary for name, (summary, s) in found.items() if summary.get("key") == s.key()}
+    return {
+        name: summary
+        for name, (summary, s) in found.items()
+        if summary.get("key") == s.key()
+        and all((folder / name / file).is_file() for file in summary["files"])
+    }
 
 
 def _summary(folder: Path) -> Mapping[str, Any]:

@@ -38,6 +38,7 @@ _SOURCES = (
     "emulator",
     "formats/writers",
     "scenarios/dataset/labels",
+    "scenarios/dataset/layout.py",
     "scenarios/dataset/sequence.py",
 )
 """Sources that determine the files of a sequence."""

@@ -14,15 +14,11 @@ from formats.writers.dsec import DsecWriter
 from scenarios.dataset.labels.boxes import BoxTable
 from scenarios.dataset.labels.camera import write_camera, write_rectify_map
 from scenarios.dataset.labels.events import EventLog
-from scenarios.dataset.labels.frames import (
-    IMAGES,
-    file_name,
-    label_times_us,
-    write_frame_labels,
-)
+from scenarios.dataset.labels.frames import write_frame_labels
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import write_png
 from scenarios.dataset.labels.shard import write_shard
+from scenarios.dataset.layout import APS, EVENTS, IMAGES, file_name, label_times_us
 from scenarios.dataset.plan import SequencePlan
 from scenarios.output.atomic_folder import atomic_folder, write_summary
 from scenarios.output.versions import versions
@@ -30,8 +26,7 @@ from scenarios.pipeline.summary import EventTally
 from sim import Crossing
 from sim.preview import Preview
 
-EVENTS, APS = "events/left/events.h5", "aps"
-EVENT_LABELS = frozenset({Label.EVENT_SOURCE, Label.EVENT_FLOW})
+_OF_EVENTS = frozenset({Label.EVENT_SOURCE, Label.EVENT_FLOW})
 
 
 @dataclass(frozen=True)
@@ -78,7 +73,7 @@ def _write_events(
 ) -> tuple[EventLog, EventTally, int]:
     """Render and emulate; write the events, and the frames if they are wanted."""
     log, tally, frames = EventLog(), EventTally(), _Frames(work, wanted=Label.APS in plan.labels)
-    keep: Callable[[Any], None] = log.add if EVENT_LABELS & set(plan.labels) else lambda _: None
+    keep: Callable[[Any], None] = log.add if _OF_EVENTS & set(plan.labels) else lambda _: None
     sensor = EventSensor(plan.sensor, seed=plan.seed)
     width, height = plan.sensor.width, plan.sensor.height
     with DsecWriter(work / EVENTS, width=width, height=height) as writer:
@@ -118,10 +113,10 @@ class _Frames:
 
 
 def _write_labels(
-    work: Path, plan: SequencePlan, crossing: Crossing, times_us: list[int], log: EventLog
+    work: Path, plan: SequencePlan, crossing: Crossing, times_us: range, log: EventLog
 ) -> BoxTable:
     boxes = write_frame_labels(work, crossing, plan.labels, times_us)
-    if EVENT_LABELS & set(plan.labels):
+    if _OF_EVENTS & set(plan.labels):
         log.write_labels(work, crossing, plan.labels)
     if Label.CAMERA in plan.labels:
         write_camera(work, crossing)
@@ -132,7 +127,7 @@ def _write_labels(
                 write_png(work / IMAGES / file_name(number), preview.render(t_us, scale=1.0))
     if Label.SHARD in plan.labels:
         facts = {"direction": plan.crossing.direction, "variant": plan.variant}
-        write_shard(work, work / EVENTS, times_us, plan.name, facts)
+        write_shard(work, times_us, plan.name, facts)
     return boxes
 
 

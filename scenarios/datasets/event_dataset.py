@@ -17,8 +17,7 @@ from detector.fly.config import FlyConfig
 from detector.fly.time_surface import TimeSurfaces
 from flybench.events import Events
 from flybench.files import read_small_text
-from scenarios.dataset.labels.frames import label_times_us
-from scenarios.dataset.sequence import EVENTS
+from scenarios.dataset.layout import EVENTS, label_times_us
 from scenarios.datasets.label_reading import READABLE, SequenceLabels
 from scenarios.datasets.slicing import Slicing, read_events
 from scenarios.datasets.voxel_grid import voxel_grid
@@ -124,8 +123,7 @@ class EventDataset:
         """Add the samples of a sequence."""
         facts = _read_json(folder / SUMMARY, self._root)
         times = label_times_us(facts["duration_us"], facts["period_us"])
-        of_sequence = range(0, times[-1] + 1, facts["period_us"])
-        self._sequences.append((name, SequenceLabels(folder, of_sequence)))
+        self._sequences.append((name, SequenceLabels(folder, times)))
         wanted = [READABLE[label] for label in self._labels]
         first = max((label.first for label in wanted), default=0)
         last = min((label.last for label in wanted), default=-1)

@@ -14,17 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.direction import Direction
-from scenarios.dataset.labels.boxes import TRACKS
-from scenarios.dataset.labels.frames import (
+from scenarios.dataset.labels.png import decode_depth, decode_flow, read_png
+from scenarios.dataset.layout import (
     BACKWARD,
     DEPTH,
     FORWARD,
     IMAGES,
     MASKS,
+    MOTION,
+    TRACKS,
     VELOCITY,
     file_name,
 )
-from scenarios.dataset.labels.png import decode_depth, decode_flow, read_png
 
 DIRECTIONS = (Direction.RIGHT, Direction.LEFT, Direction.UP, Direction.DOWN)
 """Directions in the order of their numbers in the label "direction"."""
@@ -95,7 +96,7 @@ class SequenceLabels:
     @cached_property
     def _motion(self) -> list[Mapping[str, str]]:
         """The rows of the target, one for each label."""
-        with (self.folder / "motion.csv").open(newline="", encoding="utf-8") as file:
+        with (self.folder / MOTION).open(newline="", encoding="utf-8") as file:
             return [row for row in csv.DictReader(file) if row["name"] == "target"]
 
 

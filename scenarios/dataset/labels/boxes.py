@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenarios.dataset.layout import COCO, TRACKS, file_name
 from sim import GroundTruth
 from sim.scene.moving_objects import MovingObject
 
-TRACKS, COCO = "object_detections/left/tracks.npy", "object_detections/left/coco.json"
 TRACK_DTYPE = np.dtype(
     [
         ("t", "<u8"),
@@ -105,7 +105,7 @@ class BoxTable:
         described = [
             {
                 "id": n + 1,
-                "file_name": f"{images}/{n:06d}.png",
+                "file_name": f"{images}/{file_name(n)}",
                 "width": width,
                 "height": height,
                 "t_us": t_us,

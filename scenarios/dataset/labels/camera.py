@@ -8,11 +8,10 @@ import h5py
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from scenarios.dataset.layout import CALIBRATION, POSES, RECTIFY
 from scenarios.output.tables import write_table
 from sim import Crossing, Intrinsics
 
-CALIBRATION, RECTIFY = "calibration/cam_to_cam.yaml", "events/left/rectify_map.h5"
-POSES = "poses.csv"
 POSE_STEP_US = 1_000
 """Time between poses [µs] (assumed; shake has almost no power above 500 Hz)."""
 POSE_COLUMNS = ("t_us", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")

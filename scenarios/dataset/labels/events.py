@@ -14,10 +14,10 @@ from emulator import SensorOutput
 from flybench.events import Events, concatenate_events
 from flybench.memory import count_memory
 from scenarios.dataset.labels.kinds import Label
+from scenarios.dataset.layout import EVENT_LABELS
 from sim import Crossing
 from sim.event_truth import event_truth
 
-EVENT_LABELS = "events/left/event_labels.h5"
 _CHUNK = 1 << 16
 _BYTES_PER_EVENT = 60
 """Memory per event: the event and its cause, their joined copies, and the arrays of the truth

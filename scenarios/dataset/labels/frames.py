@@ -13,24 +13,22 @@ from scenarios.dataset.labels.boxes import BoxTable
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.motion import MotionTable
 from scenarios.dataset.labels.png import encode_depth, encode_flow, write_png
+from scenarios.dataset.layout import (
+    BACKWARD,
+    DEPTH,
+    FORWARD,
+    IMAGE_TIMES,
+    IMAGES,
+    MASKS,
+    MOTION,
+    VELOCITY,
+    file_name,
+)
 from sim import Crossing
 from sim.raster import flow
 from sim.truth.probe import TruthProbe
 
-FORWARD, BACKWARD = "flow/forward", "flow/backward"
-DEPTH, MASKS, IMAGES = "depth", "masks", "images/left/distorted"
-VELOCITY = "flow/velocity.h5"
 _FLOW_HEADER = "# from_timestamp_us, to_timestamp_us"
-
-
-def label_times_us(duration_us: int, period_us: int) -> list[int]:
-    """Return the times of the labels of a sequence: multiples of the period, up to its end [µs]."""
-    return list(range(0, duration_us + 1, period_us))
-
-
-def file_name(number: int) -> str:
-    """Return the name of the PNG file of a label, as in DSEC."""
-    return f"{number:06d}.png"
 
 
 def write_frame_labels(
@@ -51,7 +49,7 @@ def write_frame_labels(
     boxes, motion = BoxTable(crossing.scene.objects), MotionTable()
     for folder in _folders(labels):
         (work / folder).mkdir(parents=True)
-    write_times(work / "images/timestamps.txt", times_us)
+    write_times(work / IMAGE_TIMES, times_us)
     for number, t_us in enumerate(times_us):
         t_s, name = crossing.seconds(t_us), file_name(number)
         seen = probe.geometry.visible(t_s)
@@ -71,7 +69,7 @@ def write_frame_labels(
     if Label.COCO in labels:
         boxes.write_coco(work, IMAGES, crossing.intrinsics.width, crossing.intrinsics.height)
     if Label.MOTION in labels:
-        motion.write(work / "motion.csv")
+        motion.write(work / MOTION)
     return boxes
 
 

@@ -13,9 +13,17 @@ import h5py
 import numpy as np
 
 from flybench.events import EVENT_DTYPE
-from scenarios.dataset.labels.frames import BACKWARD, DEPTH, FORWARD, IMAGES, MASKS, file_name
+from scenarios.dataset.layout import (
+    BACKWARD,
+    DEPTH,
+    EVENTS,
+    FORWARD,
+    IMAGES,
+    MASKS,
+    SHARD,
+    file_name,
+)
 
-SHARD = "shard.tar"
 _IMAGES = {
     "flow.png": FORWARD,
     "flow_backward.png": BACKWARD,
@@ -26,9 +34,7 @@ _IMAGES = {
 """Ending of each image in the shard, and its folder in the sequence."""
 
 
-def write_shard(
-    work: Path, events: Path, times_us: Sequence[int], name: str, facts: dict[str, Any]
-) -> None:
+def write_shard(work: Path, times_us: Sequence[int], name: str, facts: dict[str, Any]) -> None:
     """Write one sample for each label but the last.
 
     Files of one sample follow each other and have one name before the first dot. A sample holds the
@@ -38,13 +44,12 @@ def write_shard(
 
     Args:
         work: folder of the sequence, with all other labels.
-        events: its events.h5.
         times_us: times of the labels [µs].
         name: name of the sequence, such as "train/0000".
         facts: what is the same for all samples of the sequence.
     """
     key = name.replace("/", "_")
-    with h5py.File(events) as file, tarfile.open(work / SHARD, "w") as tar:
+    with h5py.File(work / EVENTS) as file, tarfile.open(work / SHARD, "w") as tar:
         for number in range(len(times_us) - 1):
             start_us, end_us = times_us[number], times_us[number + 1]
             document = {"sequence": name, "t_us": start_us, "next_t_us": end_us} | facts

@@ -12,7 +12,6 @@ from hypothesis.extra.numpy import arrays
 
 from scenarios.dataset.labels.boxes import run_lengths
 from scenarios.dataset.labels.camera import camera_matrix
-from scenarios.dataset.labels.frames import label_times_us
 from scenarios.dataset.labels.png import (
     decode_depth,
     decode_flow,
@@ -21,6 +20,7 @@ from scenarios.dataset.labels.png import (
     read_png,
     write_png,
 )
+from scenarios.dataset.layout import label_times_us
 from sim import Intrinsics
 
 
@@ -78,5 +78,5 @@ def test_the_principal_point_of_pixel_centres_is_half_a_pixel_less() -> None:
 
 
 def test_labels_are_at_multiples_of_the_period() -> None:
-    assert label_times_us(100_000, 50_000) == [0, 50_000, 100_000]
-    assert label_times_us(99_999, 50_000) == [0, 50_000]
+    assert list(label_times_us(100_000, 50_000)) == [0, 50_000, 100_000]
+    assert list(label_times_us(99_999, 50_000)) == [0, 50_000]

@@ -86,6 +86,15 @@ def test_a_finished_sequence_is_not_made_again(made: tuple[Path, Path], tmp_path
     assert contents(tmp_path / "out") == contents(made[1])
 
 
+def test_a_sequence_that_lacks_a_file_is_made_again(
+    made: tuple[Path, Path], tmp_path: Path
+) -> None:
+    make_quickly(made[0], tmp_path / "out")
+    (tmp_path / "out/train/0004/events/left/events.h5").unlink()
+    assert len(make_quickly(made[0], tmp_path / "out").costs) == 1
+    assert contents(tmp_path / "out") == contents(made[1])
+
+
 def test_a_changed_file_replaces_only_what_it_changes(
     made: tuple[Path, Path], tmp_path: Path
 ) -> None:

@@ -10,9 +10,10 @@ import numpy as np
 
 from flybench.events import EVENT_DTYPE
 from formats.writers.dsec import DsecWriter
+from scenarios.dataset.layout import EVENTS
 from scenarios.dataset.plan import SequencePlan, read_plan
 from scenarios.dataset.run import DatasetResult, Task, run_dataset, run_task
-from scenarios.dataset.sequence import EVENTS, Cost, file_digests
+from scenarios.dataset.sequence import Cost, file_digests
 from scenarios.output.atomic_folder import SUMMARY, atomic_folder, write_summary
 from scenarios.pipeline.parallel import run_locally
 

@@ -46,7 +46,10 @@ def test_a_batch_holds_tensors_where_samples_agree_and_lists_elsewhere(root: Pat
     assert batch["sequence"] == [samples[1]["sequence"], samples[2]["sequence"]]
 
 
-def test_the_dataset_loads_without_torch() -> None:
-    script = "import sys, scenarios.datasets; print('torch' in sys.modules)"
+def test_the_dataset_loads_neither_torch_nor_the_simulator() -> None:
+    script = (
+        "import sys, flybench; flybench.EventDataset; "
+        "print(bool({'torch', 'mujoco', 'matplotlib', 'rerun'} & set(sys.modules)))"
+    )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "False\n"), done.stderr
