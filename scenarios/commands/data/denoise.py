@@ -22,7 +22,7 @@ from scenarios.denoise.roc import Roc
 from scenarios.errors import MethodError, ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
-from scenarios.options.sensor import SensorOptions
+from scenarios.options.sensor import SensorOptions, sensor_of
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
@@ -121,7 +121,7 @@ class Denoise:
                 step_px=self.step_px,
                 supersample=self.supersample,
             )
-            config = RunConfig(crossing, sensor=self.sensor.sensor(), seed=self.seed)
+            config = RunConfig(crossing, sensor=sensor_of(self.sensor.changes()), seed=self.seed)
             check_run_memory(config)
             yield config
 

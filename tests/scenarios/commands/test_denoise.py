@@ -70,7 +70,9 @@ def test_bad_input_is_refused_before_anything_is_rendered(tmp_path: Path) -> Non
 
 def test_a_stream_without_noise_is_named(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"events are signal\. Allowed are streams with signal"):
-        quick(tmp_path / "out", sensor=SensorOptions(preset="ideal"), lux=(30_000.0,)).execute()
+        quick(
+            tmp_path / "out", sensor=SensorOptions(set=("preset=ideal",)), lux=(30_000.0,)
+        ).execute()
     assert not (tmp_path / "out").exists()
 
 

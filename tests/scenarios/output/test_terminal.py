@@ -138,6 +138,12 @@ def test_text_is_printed_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
         assert part in shown
 
 
+def test_a_progress_bar_shows_a_note_beside_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar() as progress:
+        progress.track("street")(1, 2, "3.5 MB")
+    assert "street, 3.5 MB" in capsys.readouterr().err
+
+
 def test_a_progress_bar_takes_any_name() -> None:
     with progress_bar() as progress:
         progress.track("[/red]\x1b[2J")(1, 2)
