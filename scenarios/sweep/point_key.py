@@ -34,7 +34,7 @@ def point_key(config: RunConfig) -> str:
 @cache
 def method_digest(method: str) -> str:
     """Return a digest of the file of a user's detector; empty for a built-in one."""
-    module, colon, _ = method.partition(":")
+    module, colon, _ = method.rpartition("+")[2].partition(":")  # without filters before it
     if not colon:
         return ""
     spec = importlib.util.find_spec(module)

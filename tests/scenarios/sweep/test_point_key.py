@@ -19,14 +19,16 @@ def test_another_run_or_other_code_has_another_key(monkeypatch: pytest.MonkeyPat
     assert point_key(run) != before
 
 
+@pytest.mark.parametrize("method", ["edited_detector:Mine", "stcf+edited_detector:Mine"])
 def test_an_edited_user_detector_has_another_key(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "edited_detector.py").write_text("class Mine: ...")
-    run = RunConfig(method="edited_detector:Mine")
+    run = RunConfig(method=method)
     module.method_digest.cache_clear()
     before = point_key(run)
     (tmp_path / "edited_detector.py").write_text("class Mine: pass")
     module.method_digest.cache_clear()
     assert point_key(run) != before
+    module.method_digest.cache_clear()
