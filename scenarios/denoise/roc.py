@@ -59,7 +59,8 @@ def measure_roc(name: str, events: Events, is_signal: Bools, *, width: int, heig
     else:
         noise, signal = _curve(scores, is_signal)
     area = float(np.trapezoid(signal, noise))
-    chosen = np.unique(np.linspace(0, len(noise) - 1, MAX_POINTS).astype(int))
+    along = np.linspace(0.0, noise[-1] + signal[-1], MAX_POINTS)  # evenly along the curve
+    chosen = np.unique(np.searchsorted(noise + signal, along))
     return Roc(noise[chosen], signal[chosen], area, at_default)
 
 
