@@ -1,17 +1,25 @@
-"""Estimates what a recording of a static scene shows: leak, or the ratio of the thresholds.
+"""Estimates the parameters of a sensor from a recording of a static scene.
 
-In bright light there is no noise. Leak moves the memorised value of each pixel to the ON threshold
-again and again, at a rate that differs from pixel to pixel. The rate of the median pixel and the
-spread of ln(rate) are those of the leak.
+An event resets a pixel to what it sees, noise included. On a static scene the steps up and down
+therefore cancel, but for the drift of the leak. Over a long time each pixel obeys
 
-In dim light, noise crosses both thresholds. An event resets the pixel to what it sees, noise
-included, so ON and OFF events have to cancel: θ_on·R_on − θ_off·R_off is the leak, whatever the
-noise. The ratio of the rates is therefore that of the thresholds, also in each pixel, whose counts
-show the mismatch. This holds while the noise is slower than the refractory period, as it is in dim
-light; otherwise some of the noise at an event is gone when the pixel memorises.
+    θ_on·R_on − θ_off·R_off = leak
 
-A static recording tells no threshold in ln units: it takes light that changes in a known way
-(`emulator.characterisation.ramp_fit`), or frames beside the events.
+with the rates R of its events and the leak in ln units per second, as long as the noise is slower
+than the refractory period. Noise that carries a pixel across a threshold and decays before the end
+of the refractory period is not memorised, and adds to both terms: the default sensor gives 12 %
+more ON events than its leak at 30 lux on the chip, and 2 % more from 300 lux.
+
+What can be estimated from one static recording:
+
+- The rates of ON and OFF events, always.
+- θ_off/θ_on and the mismatch of the thresholds relative to θ_on, where noise gives many OFF events:
+  R_on/R_off is then nearly θ_off/θ_on, pixel by pixel. The leak, which adds to R_on, has to be
+  small beside the noise or known, such as from a recording in bright light.
+- The leak in ON events per second and its spread, where OFF events are rare: R_on is then the leak.
+- The thresholds themselves: never. All rates are the same if thresholds, noise and leak are all
+  multiplied by one factor. `emulator.characterisation.ramp_fit` estimates them from a known
+  modulation.
 """
 
 from __future__ import annotations
@@ -28,57 +36,84 @@ from emulator.characterisation.recordings import check_recording, hot_pixels
 from emulator.errors import FitError
 from flybench.events import Events
 
-_RARE = 0.02
-"""OFF rate, as a share of the ON rate, up to which the ON events are those of the leak."""
-_FEWEST = 10
-"""Fewest events of a pixel, or of a pixel and polarity, that count for a spread (assumed)."""
-_FEWEST_PIXELS = 100
-_LEAST_OFF = 200
-"""Fewest OFF events of the array that give a ratio (assumed)."""
+_FEWEST_OFF = 40
+"""Median number of OFF events of a pixel that tells the ratio of its thresholds: an unfinished step
+at either end of the recording then changes it by 3 %."""
+_NOISY_HZ = 1.0
+"""Least median OFF rate beside which an unknown leak is neglected. A leak of 0.1 Hz would then make
+the ratio of the thresholds 10 % too high [Hz]."""
+_LEAST_OFF_PER_LEAK = 1.0
+"""Least median OFF rate, over a leak that is known. The leak of a pixel differs from it."""
+_RARE = 0.05
+"""OFF events per ON event below which ON events are the leak. The leak is then wrong by 2 % if the
+ratio of the thresholds is from 0.6 to 1.4."""
+_FEWEST_ON = 5
+"""Median number of ON events of a pixel that tells the leak and its spread."""
+_HALF_CELL = 0.5
+_QUARTILES = 1.349
+"""Distance of the quartiles of a normal distribution, in standard deviations."""
+_QUANTILES = (5.0, 50.0, 95.0)
+_ONE_DEVIATION = 15.87
+"""Share of a normal distribution more than one standard deviation below the mean [%]."""
 
 Floats = npt.NDArray[np.float64]
+Quantiles = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class StaticFit:
-    """What a static recording tells about the healthy pixels.
+    """What a static recording tells about a sensor.
 
     Attributes:
-        on_hz: mean rate of ON events of a pixel [Hz].
-        off_hz: mean rate of OFF events of a pixel [Hz].
-        leak_hz: leak of the median pixel [Hz]; None if noise adds to the events.
-        leak_spread: standard deviation of ln(leak) over the pixels, without a tail; None if noise
-            adds to the events, or if pixels have too few.
-        theta_ratio: θ_off/θ_on; None if there are too few OFF events, or leak prevails.
-        relative_mismatch: standard deviation of a threshold over the pixels, as a share of it; None
-            with too few events of a pixel.
-        hot_share: share of pixels left out as hot.
+        on_hz: ON events of a pixel, mean over all pixels [Hz].
+        off_hz: OFF events of a pixel, mean over all pixels [Hz].
+        on_quantiles_hz: rate of ON events below which 5, 50 and 95 % of the pixels are [Hz].
+        off_quantiles_hz: the same for OFF events [Hz].
+        threshold_ratio: median of θ_off/θ_on; None where noise does not prevail.
+        relative_mismatch: standard deviation of a threshold over the pixels, over the median ON
+            threshold, the same for both thresholds; None where noise does not prevail.
+        leak_hz: median leak, in ON events per second [Hz]; None where noise hides it or ON events
+            are too few.
+        leak_spread: standard deviation of ln(leak) over the pixels, from the median and the
+            quantile one standard deviation below it, so that a tail of pixels with a high leak
+            hardly counts. The mismatch of the thresholds is in it. None if the leak is None.
+        hot_share: share of pixels that fire far more often than the others, see
+            `emulator.characterisation.recordings.hot_pixels`.
     """
 
     on_hz: float
     off_hz: float
+    on_quantiles_hz: Quantiles
+    off_quantiles_hz: Quantiles
+    threshold_ratio: float | None
+    relative_mismatch: float | None
     leak_hz: float | None
     leak_spread: float | None
-    theta_ratio: float | None
-    relative_mismatch: float | None
     hot_share: float
 
 
 def fit_static(
-    events: Events, *, width: int, height: int, end_us: int, leak_hz: float = 0.0
+    events: Events,
+    *,
+    width: int,
+    height: int,
+    end_us: int,
+    leak_hz: float | None = None,
 ) -> StaticFit:
-    """Estimate leak, or the ratio of the thresholds, from a recording of a static scene.
+    """Estimate rates, and what they tell about thresholds or leak, from a static scene.
 
-    Some minutes of a thousand pixels give every value within a few per cent. The docstring of the
-    module lists the assumptions.
+    Twenty leak periods (some minutes) of a thousand pixels in bright light give the leak; forty
+    OFF events of a pixel in dim light give the ratio of the thresholds and their mismatch.
 
     Args:
-        events: sorted by t, at one illuminance.
+        events: sorted by t, at one illuminance, from time 0.
         width: columns of the sensor [px].
         height: rows of the sensor [px].
         end_us: end of the recording on the clock of the events [µs].
-        leak_hz: mean leak of the pixels at that illuminance, which is subtracted from the ON rate
-            before it is compared with the OFF rate [Hz].
+        leak_hz: known leak of the median pixel, in ON events per second [Hz]; None: unknown.
+
+    Returns:
+        Rates, thresholds and leak.
 
     Raises:
         EventError: the events are not a sorted stream from such a sensor.
@@ -87,65 +122,106 @@ def fit_static(
     """
     width, height = check_recording(events, width=width, height=height)
     _check_known(events, end_us, leak_hz)
-    seconds = (end_us - (int(events["t"][0]) if events.size else 0)) * 1e-6
-    shape = (height, width)
-    healthy = ~hot_pixels(event_counts(events, shape))
-    polarity = events["p"]
-    on, off = (event_counts(events[polarity == p], shape)[healthy] for p in (True, False))
-    if on.size == 0 or seconds <= 0.0:
-        return StaticFit(0.0, 0.0, None, None, None, None, 1.0 - float(healthy.mean()))
-    on_hz, off_hz = float(on.mean()) / seconds, float(off.mean()) / seconds
-    leak = spread = ratio = mismatch = None
-    if on.sum() > 0 and off_hz <= _RARE * on_hz:
-        leak = _middle(on) / seconds
-        spread = _spread(on)
-    elif off.sum() >= _LEAST_OFF and on_hz > 2.0 * leak_hz:
-        ratio = (on_hz - leak_hz) / off_hz
-        mismatch = _mismatch(np.asarray(on - leak_hz * seconds, np.float64), off.astype(np.float64))
-    return StaticFit(on_hz, off_hz, leak, spread, ratio, mismatch, 1.0 - float(healthy.mean()))
+    shape, seconds = (height, width), max(float(end_us), 1.0) * 1e-6
+    halves = [_counts(part, shape) for part in _halves(events, end_us)]
+    on, off = halves[0] + halves[1]
+    leak = _leak(events[events["p"]], on, off, shape, seconds)
+    ratio = _ratio(halves, seconds, leak_hz)
+    return StaticFit(
+        float(on.mean()) / seconds,
+        float(off.mean()) / seconds,
+        _quantiles(on / seconds),
+        _quantiles(off / seconds),
+        *ratio,
+        *leak,
+        float(hot_pixels(event_counts(events, shape)).mean()),
+    )
 
 
-def _check_known(events: Events, end_us: int, leak_hz: float) -> None:
+def _check_known(events: Events, end_us: int, leak_hz: float | None) -> None:
     last_us = int(events["t"][-1]) if events.size else 0
-    if not _is_number(end_us) or not last_us <= end_us < math.inf:
+    numeric = isinstance(end_us, Real) and not isinstance(end_us, bool)
+    if not numeric or not last_us <= end_us < math.inf:
         raise FitError(
             f"end_us is {end_us!r}. Allowed is a finite number from {last_us}, the time of the "
             "last event. Give the end of the recording on the clock of the events."
         )
-    if not _is_number(leak_hz) or not 0.0 <= leak_hz < math.inf:
+    if leak_hz is None:
+        return
+    numeric = isinstance(leak_hz, Real) and not isinstance(leak_hz, bool)
+    if not numeric or not 0.0 <= leak_hz < math.inf:
         raise FitError(
-            f"leak_hz is {leak_hz!r}. Allowed is a finite number from 0 Hz. Leave it out if there "
-            "is no leak."
+            f"leak_hz is {leak_hz!r}. Allowed is a finite number from 0 ON events per second. Pass "
+            "None if it is unknown."
         )
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
+def _halves(events: Events, end_us: int) -> tuple[Events, Events]:
+    middle = int(np.searchsorted(events["t"], 0.5 * end_us))
+    return events[:middle], events[middle:]
 
 
-def _middle(counts: npt.NDArray[np.int64]) -> float:
-    """Return the mean of the middle fifth: a median that is not rounded to whole events."""
-    ordered = np.sort(counts)
-    return float(ordered[int(0.4 * ordered.size) : int(0.6 * ordered.size) + 1].mean())
+def _counts(events: Events, shape: tuple[int, int]) -> Floats:
+    """Count the ON and OFF events of each pixel, (2, pixels)."""
+    parts = (events[events["p"]], events[~events["p"]])
+    return np.array([event_counts(part, shape).ravel() for part in parts], np.float64)
 
 
-def _spread(counts: npt.NDArray[np.int64]) -> float | None:
-    """Return the standard deviation of ln(count), from its quartiles."""
-    if np.median(counts) < _FEWEST:
-        return None
-    low, high = np.percentile(np.log(np.maximum(counts, 0.5)), [25, 75])
-    return float(high - low) / 1.349
+def _quantiles(rates: Floats) -> Quantiles:
+    low, median, high = np.percentile(rates, _QUANTILES).tolist()
+    return low, median, high
 
 
-def _mismatch(on: Floats, off: Floats) -> float | None:
-    """Return the relative standard deviation of a threshold, from the ratio of each pixel's counts.
+def _ratio(
+    halves: list[Floats], seconds: float, leak_hz: float | None
+) -> tuple[float | None, float | None]:
+    """Return θ_off/θ_on and the relative mismatch; None if noise does not prevail.
 
-    The ratio contains both thresholds. Counts are off by up to one event, which adds variance.
+    What the logarithms of both halves of the recording have in common is the mismatch; what
+    differs between them is chance.
     """
-    enough = (on >= _FEWEST) & (off >= _FEWEST)
-    if np.count_nonzero(enough) < _FEWEST_PIXELS:
-        return None
-    on, off = on[enough], off[enough]
-    low, high = np.percentile(np.log(on / off), [25, 75])
-    chance = float(np.median(1.0 / on**2 + 1.0 / off**2)) / 6.0
-    return math.sqrt(max((float(high - low) / 1.349) ** 2 - chance, 0.0) / 2.0)
+    off_hz = float(np.median(halves[0][1] + halves[1][1])) / seconds
+    least_hz = _NOISY_HZ if leak_hz is None else _LEAST_OFF_PER_LEAK * leak_hz
+    if off_hz < max(least_hz, _FEWEST_OFF / seconds):
+        return None, None
+    leak = 0.5 * seconds * (leak_hz or 0.0)
+    logs = np.array(
+        [
+            np.log(np.maximum(on - leak, _HALF_CELL) / np.maximum(off, _HALF_CELL))
+            for on, off in halves
+        ]
+    )
+    ratio = math.exp(float(np.median(logs.mean(axis=0))))
+    total, difference = (_deviation(x) ** 2 for x in (logs.mean(axis=0), 0.5 * (logs[0] - logs[1])))
+    scatter = math.sqrt(max(total - difference, 0.0))
+    return ratio, scatter / math.hypot(1.0, 1.0 / ratio)
+
+
+def _deviation(values: Floats) -> float:
+    """Return the standard deviation, from the quartiles."""
+    low, high = np.percentile(values, [25.0, 75.0])
+    return float(high - low) / _QUARTILES
+
+
+def _leak(
+    on_events: Events, on: Floats, off: Floats, shape: tuple[int, int], seconds: float
+) -> tuple[float | None, float | None]:
+    """Return median leak [Hz] and spread; None if noise hides the leak or events are too few.
+
+    The rate of a pixel is that between its first and last ON event, since the leak is regular and
+    the recording starts and ends at any phase of it. Its OFF events count as if the thresholds were
+    equal.
+    """
+    if np.median(on) < _FEWEST_ON or off.sum() > _RARE * on.sum():
+        return None, None
+    first, last = np.full(on.size, np.inf), np.full(on.size, -np.inf)
+    pixel = on_events["y"].astype(np.int64) * shape[1] + on_events["x"]
+    np.minimum.at(first, pixel, on_events["t"])
+    np.maximum.at(last, pixel, on_events["t"])
+    several = on > 1
+    rate = on / seconds
+    span_s = np.maximum(last - first, 1.0)[several] * 1e-6
+    rate[several] = (on[several] - 1.0) / span_s
+    net = rate * np.maximum(1.0 - off / np.maximum(on, 1.0), 0.0)
+    low, median = np.percentile(net, [_ONE_DEVIATION, 50.0]).tolist()
+    return median, math.log(median / low) if low > 0.0 else None

@@ -37,12 +37,13 @@ WIDTH, HEIGHT = 128, 96
 """Size of the array: it loads the bus of the DAVIS346 tenfold at the fastest flicker."""
 CHIP_LUX = 2000.0
 """Illuminance on the chip: bright enough for the full bandwidth and hardly any noise [lux]."""
-SWING = 1.0
-"""Peak-to-peak amplitude of the flicker [ln units of luminance]."""
+SWING = 3.0
+"""Peak-to-peak amplitude of the flicker [ln units of luminance]: large, since the source follower
+and the refractory period limit the events of a pixel."""
 _SAMPLES = 24
 """Samples per cycle: straight lines between them stay within 1 % of the sine."""
-_FEWEST_SAMPLES, _MOST_SAMPLES = 60, 200
-"""Samples in a recording: two and a half to eight cycles."""
+_FEWEST_SAMPLES, _MOST_SAMPLES = 30, 200
+"""Samples in a recording: one and a quarter to eight cycles."""
 _SETTLING = 0.3
 """Share of a recording in which the queue fills, and which is not counted."""
 _EVENTS = 120_000

@@ -3,7 +3,8 @@
 The logarithm of the luminance is a sine of peak-to-peak amplitude P (Lichtsteiner 2008 shows the
 bandwidth in this way). The number of events in a cycle of that amplitude, N_0(P), is measured at a
 low frequency in bright light, with all amplitudes side by side. At frequency f the photoreceptor
-damps the amplitude. Each event also costs the change of the signal in the refractory period T, on
+damps the amplitude. The refractory period is set short, as in the laboratory: otherwise it would
+limit the events of fast flicker, not the bandwidth. Each event also costs the change of the signal in the refractory period T, on
 average (π²/4)·f·P·T/θ of an event (the mean slope of a sine, weighted by its own events). So the
 number against frequency is fitted with
 
@@ -15,7 +16,7 @@ with the cutoff f_c, and the share s of the amplitude that the dark current leav
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -50,6 +51,8 @@ _CALIBRATION_HZ = 20.0
 """Flicker two decades below the cutoff at that illuminance [Hz]."""
 _CALIBRATION_ROWS = 160
 """Pixels for each amplitude: mismatch moves their mean by 1.5 %."""
+_REFRACTORY_US = 3
+"""Longest refractory period of the sensors of this experiment [µs]."""
 _SAMPLES = 48
 """Samples per cycle: straight lines between them stay within 0.2 % of the sine."""
 _SETTLING_CYCLES, _CYCLES = 3, 4
@@ -97,7 +100,7 @@ def measure_response(
     """Measure the response to flicker at several illuminances, one for each row of pixels.
 
     Args:
-        config: configuration of the sensor; its size is replaced.
+        config: configuration of the sensor; its size and refractory period are replaced.
         calibration: calibration of the same sensor.
         chip_lux: (m,) geometric mean of the illuminance on the chip, one for each row [lux].
         frequency_hz: (n,) frequencies [Hz].
@@ -126,7 +129,7 @@ class Calibration:
     Attributes:
         amplitude: (n,) peak-to-peak amplitudes, rising from 0 [ln units].
         events: (n,) ON events per cycle and pixel.
-        refractory_us: refractory period set by the biases [µs].
+        refractory_us: refractory period of the sensor in this experiment [µs].
     """
 
     amplitude: Values
@@ -183,7 +186,7 @@ def calibrate(config: SensorConfig, *, seed: int) -> Calibration:
     lux = np.full(_CALIBRATION_ROWS, _CALIBRATION_LUX)
     events, _ = _events_per_cycle(config, lux, amplitude, _CALIBRATION_HZ, seed)
     rising = np.maximum.accumulate(events.mean(axis=0))
-    return Calibration(amplitude[0], rising, config.refractory_us)
+    return Calibration(amplitude[0], rising, _short_reset(config).refractory_us)
 
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
@@ -199,7 +202,7 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     return Section(
         "Bandwidth",
         f"A grey card of 18 % reflectance flickers by {math.exp(calibration.swing):.1f} to 1, as a "
-        "sine in the logarithm. The curves show the ON events that the signal causes, per cycle "
+        "sine in the logarithm, with a short refractory period. The curves show the ON events that the signal causes, per cycle "
         "and pixel. The cutoff is that of a first-order low-pass fitted to each curve. The fit "
         "relates amplitude to events with a calibration by slow flicker of smaller amplitudes. "
         f"There is no cutoff where the card causes fewer than {_LEAST_EVENTS:g} events per cycle: "
@@ -213,7 +216,13 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
                 sources.BANDWIDTH_HZ,
                 "behind this lens; the illuminance on the chip of the published sensor is unknown",
             ),
-            Quantity("cutoff at 100 klux on the scene", "Hz", responses[-1].cutoff_hz),
+            Quantity(
+                "cutoff at 100 klux on the scene",
+                "Hz",
+                responses[-1].cutoff_hz,
+                sources.FOLLOWER_HZ,
+                "of photoreceptor and source follower in a row; the slower limits it",
+            ),
         ],
         [_response_plot(responses, calibration), _cutoff_plot(cutoffs)],
     )
@@ -225,13 +234,13 @@ def _events_per_cycle(
     """Count ON events per cycle by signal and by noise, each (rows, WIDTH).
 
     Args:
-        config: configuration of the sensor; its size is replaced.
+        config: configuration of the sensor; its size and refractory period are replaced.
         lux: (rows,) illuminance on the chip of each row [lux].
         amplitude: (1, WIDTH) peak-to-peak amplitude of each column [ln units].
         frequency_hz: frequency of the flicker [Hz].
         seed: seed of the sensor.
     """
-    sensor = bench_sensor(config, width=WIDTH, height=lux.size)
+    sensor = bench_sensor(_short_reset(config), width=WIDTH, height=lux.size)
     base = np.repeat(chip_luminance(sensor, lux)[:, None], WIDTH, axis=1)
     period_us = 1e6 / frequency_hz
     number = min(_SAMPLES, max(8, math.floor(period_us)))
@@ -248,6 +257,10 @@ def _events_per_cycle(
     signal = counted & (recording.causes == Cause.SIGNAL)
     by_signal = event_counts(events[signal], recording.shape) / _CYCLES
     return by_signal, event_counts(events[counted], recording.shape) / _CYCLES - by_signal
+
+
+def _short_reset(config: SensorConfig) -> SensorConfig:
+    return replace(config, refractory_us=min(config.refractory_us, _REFRACTORY_US))
 
 
 def _response_plot(responses: list[FrequencyResponse], calibration: Calibration) -> Plot:

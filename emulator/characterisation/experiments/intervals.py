@@ -1,8 +1,8 @@
 """Intervals between the events of a pixel on a static scene: how regular the noise is.
 
-Shot noise is a Poisson process, whose intervals have a coefficient of variation of 1. Leak is
-periodic: the intervals of one pixel are equal, and those of the array vary with the mismatch of its
-thresholds.
+Noise comes at irregular times. Its events are not independent: after an ON event, an OFF event is
+near. Leak is periodic: the intervals of one pixel are nearly equal, and those of the array vary
+with the leak of its pixels.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from emulator.characterisation.section import Plot, Quantity, Section, Style, se
 from emulator.config import SensorConfig
 
 DIM_LUX, BRIGHT_LUX = 0.1, 3000.0
-"""Illuminance on the chip at which shot noise dominates, and at which leak does [lux]."""
+"""Illuminance on the chip at which noise is frequent, and at which leak prevails [lux]."""
 _BINS = 60
 """Bins of the histogram, evenly spaced in the logarithm."""
 _FEWEST = 20
@@ -62,7 +62,7 @@ def measure_intervals(recording: Recording) -> Intervals | None:
 def measure(config: SensorConfig, *, seed: int) -> Section:
     """Return the section on intervals between events."""
     quantities, plots = [], []
-    for lux, cause in ((DIM_LUX, "shot noise"), (BRIGHT_LUX, "leak")):
+    for lux, cause in ((DIM_LUX, "noise and leak"), (BRIGHT_LUX, "leak")):
         found = measure_intervals(record_static(config, chip_lux=lux, seed=seed))
         at = f"at {lux_label(lux)} on the chip"
         quantities += [
@@ -70,13 +70,13 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
                 f"variation over all pixels {at}",
                 "",
                 None if found is None else found.variation,
-                note="1 for a Poisson process",
+                note="1 for a Poisson process; unequal pixels raise it",
             ),
             Quantity(
                 f"variation within a pixel {at}",
                 "",
                 None if found is None else found.pixel_variation,
-                note="0 for a periodic process",
+                note="1 for a Poisson process, 0 for a periodic one",
             ),
         ]
         if found is not None:

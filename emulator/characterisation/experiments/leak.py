@@ -1,7 +1,7 @@
 """The leak: its rate against illuminance, and against temperature.
 
-`emulator.characterisation.static_fit` estimates the leak of the median pixel from recordings in
-light that is bright enough for noise to be absent.
+`emulator.characterisation.static_fit` estimates the leak of the median pixel and its spread from
+static recordings in which OFF events are so rare that noise hardly adds to the leak.
 """
 
 from __future__ import annotations
@@ -28,13 +28,16 @@ from emulator.config import SensorConfig
 
 SIDE_PX = 24
 DURATION_S = 300.0
-"""Thirty periods of the published leak [s]. Mismatch makes the mean of 576 pixels uncertain by 1 %.
-"""
-WARM_LUX = 30.0
-"""Illuminance on the chip for the temperatures: too dim to add to the leak, too bright for shot
-noise to hide it [lux]."""
+"""Fifteen periods of the published leak [s]. Its spread makes the median of 576 pixels uncertain by
+2 %, equally at all illuminances and temperatures."""
+WARM_LUX = 200.0
+"""Illuminance on the chip for the temperatures: bright enough for hardly any noise. What
+the light adds to the leak is subtracted [lux]."""
 CELSIUS = np.array([15.0, 25.0, 35.0, 45.0, 55.0, 65.0])
 """Temperatures from a cool room to a hot housing (assumed) [°C]."""
+
+SPREAD_LUX = (161.0, 3000.0)
+"""Illuminances on the chip at which a spread over pixels is published [lux]."""
 
 Floats = npt.NDArray[np.float64]
 Line = tuple[float | None, float | None]
@@ -85,7 +88,7 @@ def doubling_k(celsius: Floats, leak_hz: npt.ArrayLike) -> float | None:
 
 def measure(config: SensorConfig, *, seed: int) -> Section:
     """Return the section on the leak."""
-    lux = log_spaced(3.0, 1e4, 2)
+    lux = np.unique(np.concatenate((log_spaced(100.0, 1e4, 2), SPREAD_LUX)))
     fits = [measure_leak(config, chip_lux=float(x), seed=seed) for x in lux]
     rates = nan_for_none([fit.leak_hz for fit in fits])
     line = leak_line(lux, rates)
@@ -94,28 +97,38 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
         for c in CELSIUS
     ]
     warm = nan_for_none(by_celsius)
+    warm_without_light = [rate - WARM_LUX * (line[1] or 0.0) for rate in warm]
     return Section(
         "Leak",
         f"{SIDE_PX}×{SIDE_PX} pixels see a static scene for {DURATION_S:g} s, in light in which "
-        "noise is absent. The rate is that of the median pixel. Illuminance varies at "
+        "OFF events are so rare that ON events are leak. The rate is that of the median pixel. The "
+        "spread is the standard deviation of ln(leak), from the median and the quantile one "
+        "deviation below it, so that the tail of noisy pixels hardly counts. Illuminance varies at "
         f"{config.temperature_c:g} °C, temperature at {lux_label(WARM_LUX)} on the chip.",
-        _quantities(line, warm, fits),
+        _quantities(line, warm_without_light, dict(zip(lux.tolist(), fits, strict=True))),
         [_lux_plot(lux, rates, line), _temperature_plot(warm)],
     )
 
 
-def _quantities(line: Line, warm: list[float], fits: list[StaticFit]) -> list[Quantity]:
+def _quantities(line: Line, warm: list[float], fits: dict[float, StaticFit]) -> list[Quantity]:
     dark_hz, slope = line
     per_klux = None if slope is None else 1e3 * slope
-    spreads = nan_for_none([fit.leak_spread for fit in fits])
-    spread = float(np.nanmedian(spreads)) if np.isfinite(spreads).any() else None
     doubling = doubling_k(CELSIUS, warm)
-    note = "from the quartiles, so that the tail does not count"
     return [
         Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ),
+        Quantity("leak without light", "Hz", dark_hz, sources.LEAK_HZ_NOZAKI),
         Quantity("leak added by light on the chip", "Hz/klux", per_klux, sources.LEAK_HZ_PER_KLUX),
         Quantity("warming that doubles the leak", "K", doubling, sources.LEAK_DOUBLING_K),
-        Quantity("standard deviation of ln(leak) over the pixels", "", spread, note=note),
+        *(
+            Quantity(
+                f"spread of ln(leak) over pixels at {lux_label(lux)}",
+                "",
+                fits[lux].leak_spread,
+                published,
+                "the mismatch of the ON threshold is in it",
+            )
+            for lux, published in zip(SPREAD_LUX, sources.LEAK_SPREAD, strict=True)
+        ),
     ]
 
 

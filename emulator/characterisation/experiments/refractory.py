@@ -36,6 +36,8 @@ _SETTLING = 4.0
 """Time constants after which the photoreceptor rises within 2 % of the rate of the luminance."""
 _SPEEDS = (1.0, 0.75, 0.5, 0.33, 0.25)
 """Speeds of the ramps, relative to the fastest that the photoreceptor has time to follow."""
+_SAMPLES = 200
+"""Samples of a ramp: noise falls as the light rises, and is constant between samples."""
 _SEEDS = 8
 """Number of sensors, which gives 128 pixels in all."""
 
@@ -134,8 +136,9 @@ def _pixel_intervals_us(events: Events, x: int, y: int) -> Floats:
 
 
 def _ramp(sensor: SensorConfig, duration_us: int) -> list[tuple[int, Frame]]:
-    """Return two samples of a ramp; the sensor interpolates the logarithm between them."""
-    lux = (_START_LUX, _START_LUX, _END_LUX)
-    times = (0, 1, 1 + duration_us)
+    """Return samples of a ramp; the sensor interpolates the logarithm between them."""
+    number = min(_SAMPLES, duration_us)
+    lux = [_START_LUX, *np.geomspace(_START_LUX, _END_LUX, number + 1)]
+    times = [0, *(1 + duration_us * k // number for k in range(number + 1))]
     frames = [uniform_frame(sensor, chip_luminance(sensor, x)) for x in lux]
     return list(zip(times, frames, strict=True))

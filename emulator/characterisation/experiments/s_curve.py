@@ -63,6 +63,7 @@ _LEAST_RESPONSE = 0.3
 _NOISY = 0.15
 """Share of noise above which a threshold is not used for the dark current. Such a threshold comes
 out too high, since noise resets pixels that were about to fire."""
+_NOTE = "noise carries pixels across earlier, so that the threshold appears lower than it is"
 _GREATEST_CONTRAST = 4.0
 """Largest step [ln units]: 55 to 1."""
 
@@ -222,10 +223,17 @@ def _quantities(curves: dict[bool, list[SCurve]], scale: float) -> list[Quantity
         nominal = sources.THETA_ON if on else sources.THETA_OFF
         percent = None if mismatch is None else 100.0 * mismatch
         quantities += [
-            Quantity(f"{name} threshold at 1 klux", "ln units", theta, nominal),
+            Quantity(f"{name} threshold at 1 klux", "ln units", theta, nominal, _NOTE),
+            Quantity(f"{name} mismatch at 1 klux", "%", percent, sources.MISMATCH_JOUBERT),
             Quantity(f"{name} mismatch at 1 klux", "%", percent, sources.MISMATCH),
             Quantity(f"{name} mismatch at 1 klux", "%", percent, sources.MISMATCH_DVS128),
         ]
+    on, off = (curves[polarity][at].threshold for polarity in (True, False))
+    ratio = None if on is None or off is None else off / on
+    quantities += [
+        Quantity("OFF over ON threshold at 1 klux", "", ratio, published)
+        for published in (sources.THRESHOLD_RATIO, sources.THRESHOLD_RATIO_JOUBERT)
+    ]
     thetas = nan_for_none([c.threshold if c.guess < _NOISY else None for c in curves[True]])
     dark = fit_dark_lux(np.array(SCENE_LUX) * scale, thetas)
     name = "dark current as illuminance on the chip"

@@ -6,6 +6,7 @@ import pytest
 
 from emulator import SensorConfig, SensorConfigError, preset
 from emulator.characterisation import EXPERIMENTS, Section, characterise, datasheet
+from tests.emulator.characterisation.plain_sensor import PLAIN
 
 QUICK = ("latency", "dynamic_range", "refractory")
 
@@ -18,7 +19,7 @@ def select_experiments(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
 def test_a_data_sheet_recovers_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     select_experiments(monkeypatch, "s_curve", "refractory", "leak")
     progress: list[tuple[int, int]] = []
-    config = SensorConfig(theta_on=0.3, leak_hz=0.4, refractory_us=20)
+    config = replace(PLAIN, theta_on=0.3, leak_hz=0.4, refractory_us=20)
     sheet = characterise(config, seed=2, progress=lambda *done: progress.append(done))
     assert sheet.config == config
     assert list(sheet.sections) == ["s_curve", "refractory", "leak"]

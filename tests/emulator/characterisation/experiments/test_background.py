@@ -1,38 +1,55 @@
-"""Background activity agrees with the published figures, and its causes add up."""
+"""Background activity: its rates by illuminance, and its causes."""
 
 from dataclasses import replace
 
 import pytest
 
 from emulator import SensorConfig
+from emulator.characterisation import sources
 from emulator.characterisation.experiments.background import (
     measure,
     measure_background,
     record_static,
 )
 from flybench.events import Cause
+from tests.emulator.characterisation.plain_sensor import PLAIN
 
 
-@pytest.mark.parametrize(("lux", "on_hz", "off_hz"), [(0.1, 5.6, 4.2), (161.0, 0.104, 0.0012)])
-def test_rates_agree_with_the_published_ones(lux: float, on_hz: float, off_hz: float) -> None:
-    config = SensorConfig()
-    found = measure_background(record_static(config, chip_lux=lux, seed=2), chip_lux=lux)
-    assert found.on_hz == pytest.approx(on_hz, rel=0.08)
-    assert found.off_hz == pytest.approx(off_hz, rel=0.1)
-    assert found.by_cause_hz[Cause.SIGNAL] == 0.0
+def test_leak_gives_on_events_at_its_rate() -> None:
+    config = replace(PLAIN, theta_mismatch=0.0)
+    found = measure_background(record_static(config, chip_lux=161.0, seed=2), chip_lux=161.0)
+    assert found.on_hz == pytest.approx(0.1 + 161.0 * 2.4e-5, rel=0.05)
+    assert found.off_hz == 0.0
+    assert found.by_cause_hz[Cause.LEAK] == pytest.approx(found.on_hz)
 
 
-def test_causes_can_be_switched_off_separately() -> None:
-    config = replace(SensorConfig(), hot_fraction=0.0, leak_hz=0.0, leak_hz_per_lux=0.0)
+def test_without_leak_the_thresholds_set_the_ratio_of_the_rates() -> None:
+    """θ_on·R_on = θ_off·R_off in a pixel that resets to what it sees."""
+    config = replace(PLAIN, noise_sigma=0.07, leak_hz=0.0, leak_hz_per_lux=0.0, theta_mismatch=0.0)
     found = measure_background(record_static(config, chip_lux=0.5, seed=2), chip_lux=0.5)
     assert found.by_cause_hz[Cause.LEAK] == found.by_cause_hz[Cause.HOT] == 0.0
     assert found.by_cause_hz[Cause.SHOT] == pytest.approx(found.on_hz + found.off_hz, rel=1e-6)
+    assert 0.18 * found.on_hz == pytest.approx(0.22 * found.off_hz, rel=0.03)
     assert found.hot_share == 0.0
 
 
 def test_section_of_the_default_sensor() -> None:
     section = measure(SensorConfig(), seed=3)
-    compared = [q for q in section.quantities if q.difference is not None]
-    assert len(compared) == 5
-    assert max(abs(q.difference or 0.0) for q in compared) < 0.12
+    assert len(section.quantities) == 2 * (6 + 3) + 1
+    figures = section.figures
+    for lux in ("161 lux", "3 klux"):
+        on = figures[f"ON events at {lux} on the chip"]
+        assert on.difference is not None
+        assert abs(on.difference) < 0.6
+    dark, dim, bright = (
+        figures[f"OFF events at {lux} on the chip"].measured
+        for lux in ("0.001 lux", "0.1 lux", "161 lux")
+    )
+    assert dark is not None
+    assert dim is not None
+    assert bright is not None
+    assert bright < dark < dim
+    published = {series.label for series in section.plots[0].series}
+    assert published >= {"Joubert 2021, ON", "DAVIS346 clip, OFF"}
     assert {series.label for series in section.plots[1].series} >= {"leak", "shot"}
+    assert set(sources.JOUBERT_LUX) | set(sources.CRADLE_LUX) == set(sources.BACKGROUND_HZ)

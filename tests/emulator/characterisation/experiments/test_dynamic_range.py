@@ -11,6 +11,7 @@ from emulator.characterisation.experiments.dynamic_range import (
     measure,
     responding_share,
 )
+from tests.emulator.characterisation.plain_sensor import QUIET
 
 
 def test_the_range_is_interpolated_between_illuminances() -> None:
@@ -22,14 +23,14 @@ def test_the_range_is_interpolated_between_illuminances() -> None:
 
 
 def test_noise_free_pixels_respond_once_the_bar_exceeds_their_threshold() -> None:
-    config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
+    config = replace(QUIET, theta_mismatch=0.0)
     edge = config.dark_lux * np.expm1(0.22) / (1.0 - 0.2 * np.exp(0.22))
     assert responding_share(config, chip_lux=0.95 * edge, seed=1) == 0.0
     assert responding_share(config, chip_lux=1.05 * edge, seed=1) == 1.0
 
 
 def test_ten_times_the_dark_current_costs_20_db() -> None:
-    config = SensorConfig.noise_free()
+    config = QUIET
     dark, darker = (
         measure(replace(config, dark_lux=lux), seed=1).quantities[0].measured for lux in (0.1, 0.01)
     )

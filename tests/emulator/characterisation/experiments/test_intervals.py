@@ -1,4 +1,4 @@
-"""Shot noise is a Poisson process, and leak is periodic."""
+"""Intervals: those of noise are nearly random, and those of leak are regular within a pixel."""
 
 from dataclasses import replace
 
@@ -12,25 +12,34 @@ from emulator.characterisation.experiments.intervals import (
     measure,
     measure_intervals,
 )
+from tests.emulator.characterisation.plain_sensor import PLAIN, QUIET
 
 
-def test_shot_noise_has_the_intervals_of_a_poisson_process() -> None:
-    found = measure_intervals(record_static(SensorConfig(), chip_lux=DIM_LUX, seed=1))
+def test_noise_has_irregular_intervals() -> None:
+    """The variation of the polarities together exceeds 1: an event is often followed by another."""
+    config = replace(QUIET, noise_sigma=0.08, theta_mismatch=0.0)
+    found = measure_intervals(record_static(config, chip_lux=DIM_LUX, seed=1))
     assert found is not None
-    assert found.variation == pytest.approx(1.0, abs=0.02)
-    assert found.interval_s.mean() == pytest.approx(1.0 / 9.7, rel=0.03)
+    assert 0.9 < found.pixel_variation < 1.5
+    assert found.variation == pytest.approx(found.pixel_variation, rel=0.05)
 
 
 def test_leak_is_periodic_within_a_pixel_and_varies_with_mismatch() -> None:
-    found = measure_intervals(record_static(SensorConfig(), chip_lux=BRIGHT_LUX, seed=1))
+    found = measure_intervals(record_static(PLAIN, chip_lux=BRIGHT_LUX, seed=1))
     assert found is not None
     assert found.pixel_variation < 0.02
     assert found.variation == pytest.approx(0.035 / 0.18, rel=0.15)
 
 
+def test_noise_makes_the_leak_slightly_irregular() -> None:
+    found = measure_intervals(record_static(SensorConfig(), chip_lux=BRIGHT_LUX, seed=1))
+    assert found is not None
+    assert found.pixel_variation < 0.1
+    assert found.variation > 0.3
+
+
 def test_a_sensor_without_events_has_no_intervals() -> None:
-    config = replace(SensorConfig.noise_free())
-    assert measure_intervals(record_static(config, chip_lux=BRIGHT_LUX, seed=1)) is None
-    section = measure(config, seed=1)
+    assert measure_intervals(record_static(QUIET, chip_lux=BRIGHT_LUX, seed=1)) is None
+    section = measure(QUIET, seed=1)
     assert [quantity.measured for quantity in section.quantities] == [None] * 4
     assert section.plots == []

@@ -23,7 +23,7 @@ def test_with_equal_rise_and_fall_the_thresholds_set_the_ratio() -> None:
 
 def test_leak_is_the_difference_of_rises_and_falls() -> None:
     """A leak of 28 ln units a second, the drift of 100 ON events."""
-    config = replace(CLEAN, refractory_us=0, leak_hz=100.0)
+    config = replace(CLEAN, refractory_us=0, leak_hz=100.0, leak_spread=0.0, leak_tail_fraction=0.0)
     lamp = measure_lamp(config, chip_lux=20_000.0, swing=2.65, fall=0.5, seed=1)
     assert 0.28 * lamp.on_hz - 0.35 * lamp.off_hz == pytest.approx(28.0, rel=0.1)
 

@@ -1,15 +1,18 @@
 """Latency depends on the photoreceptor, jitter on noise and mismatch."""
 
+import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from emulator import SensorConfig
 from emulator.characterisation.experiments.latency import measure, measure_latency
+from tests.emulator.characterisation.plain_sensor import QUIET
 
 
 def test_latency_is_proportional_to_the_time_constant() -> None:
-    config = replace(SensorConfig.noise_free(), bandwidth_limit_hz=1e6)
+    config = replace(QUIET, bandwidth_limit_hz=1e6)
     slow, fast = (measure_latency(config, chip_lux=lux, seed=1) for lux in (1.0, 10.0))
     assert slow is not None
     assert fast is not None
@@ -23,17 +26,23 @@ def test_a_step_below_the_threshold_has_no_latency() -> None:
 
 
 def test_equal_pixels_without_noise_have_no_jitter_between_them() -> None:
-    config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
+    config = replace(QUIET, theta_mismatch=0.0)
     found = measure_latency(config, chip_lux=100.0, seed=1)
     assert found is not None
     assert found.pixel_jitter_us == pytest.approx(found.jitter_us, rel=0.05)
+
+
+_FOLLOWER_US = -1e6 / (2.0 * math.pi * 286.0) * math.log(1.0 - 0.28 / math.log(2.0))
+"""Time in which the follower passes the threshold after a step of 2 to 1 [µs]. The photoreceptor
+delays it, and so does the memory, which is not always at the level before the step."""
 
 
 def test_section_of_the_default_sensor() -> None:
     section = measure(SensorConfig(), seed=1)
     best = section.quantities[0].measured
     assert best is not None
-    assert 10.0 < best < 60.0
+    assert 1.2 * _FOLLOWER_US < best < 2.4 * _FOLLOWER_US
     (plot,) = section.plots
     latency = plot.series[0].y
-    assert latency[0] > latency[2] > latency[4]
+    assert np.isfinite(latency[1:]).all()
+    assert latency[1] > latency[2] > latency[4]

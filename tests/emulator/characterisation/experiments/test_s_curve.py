@@ -15,6 +15,7 @@ from emulator.characterisation.experiments.s_curve import (
     measure_s_curve,
     response_share,
 )
+from tests.emulator.characterisation.plain_sensor import PLAIN, QUIET
 
 BRIGHT_LUX = 1000.0
 
@@ -23,7 +24,7 @@ BRIGHT_LUX = 1000.0
     ("on", "theta", "mismatch"), [(True, 0.18, 0.035), (False, 0.22, 0.035), (True, 0.3, 0.02)]
 )
 def test_threshold_and_mismatch_are_recovered(on: bool, theta: float, mismatch: float) -> None:
-    config = replace(SensorConfig(), theta_mismatch=mismatch)
+    config = replace(PLAIN, theta_mismatch=mismatch)
     config = replace(config, theta_on=theta) if on else replace(config, theta_off=theta)
     curve = measure_s_curve(config, chip_lux=BRIGHT_LUX, on=on, seed=3)
     assert curve.threshold == pytest.approx(theta, rel=0.02)
@@ -32,7 +33,7 @@ def test_threshold_and_mismatch_are_recovered(on: bool, theta: float, mismatch: 
 
 
 def test_without_mismatch_the_curve_is_a_step_at_the_threshold() -> None:
-    config = replace(SensorConfig.noise_free(), theta_mismatch=0.0)
+    config = replace(QUIET, theta_mismatch=0.0)
     curve = measure_s_curve(config, chip_lux=BRIGHT_LUX, on=True, seed=1)
     assert curve.threshold == pytest.approx(0.18, rel=0.03)
     assert curve.mismatch is not None
@@ -42,7 +43,7 @@ def test_without_mismatch_the_curve_is_a_step_at_the_threshold() -> None:
 
 @pytest.mark.parametrize("ratio", [0.5, 2.0])
 def test_dark_current_hides_part_of_a_step(ratio: float) -> None:
-    config = replace(SensorConfig.noise_free(), dark_lux=0.1)
+    config = replace(QUIET, dark_lux=0.1)
     lux = 0.1 / ratio
     curve = measure_s_curve(config, chip_lux=lux, on=True, seed=2)
     assert curve.threshold == pytest.approx(np.log1p((1.0 + ratio) * np.expm1(0.18)), rel=0.03)
@@ -58,7 +59,7 @@ def test_near_darkness_no_step_down_is_seen() -> None:
 def test_control_columns_show_the_noise() -> None:
     contrast = np.zeros(8)
     share, guess = response_share(
-        SensorConfig(), contrast, chip_lux=0.1, on=True, seed=1, height=400
+        replace(PLAIN, noise_sigma=0.08), contrast, chip_lux=0.1, on=True, seed=1, height=400
     )
     assert guess == pytest.approx(share.mean(), abs=0.04)
     assert guess > 0.05
@@ -87,8 +88,10 @@ def test_the_dark_current_is_recovered_from_thresholds() -> None:
 def test_section_of_the_default_sensor() -> None:
     section = measure(SensorConfig(), seed=5)
     found = {quantity.name: quantity for quantity in section.quantities}
-    for name in ("ON threshold at 1 klux", "OFF threshold at 1 klux"):
-        assert abs(found[name].difference or 1.0) < 0.03
+    for name, theta in (("ON threshold at 1 klux", 0.28), ("OFF threshold at 1 klux", 0.35)):
+        measured = found[name].measured
+        assert measured is not None
+        assert 0.88 * theta < measured < theta  # noise carries pixels across earlier
     dark = found["dark current as illuminance on the chip"]
     assert dark.measured == pytest.approx(0.01, rel=0.4)
     labels = {series.label for series in section.plots[0].series}
