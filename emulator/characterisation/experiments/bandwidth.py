@@ -3,10 +3,10 @@
 The logarithm of the luminance is a sine of peak-to-peak amplitude P (Lichtsteiner 2008 shows the
 bandwidth in this way). The number of events in a cycle of that amplitude, N_0(P), is measured at a
 low frequency in bright light, with all amplitudes side by side. At frequency f the photoreceptor
-damps the amplitude. The refractory period is set short, as in the laboratory: otherwise it would
-limit the events of fast flicker, not the bandwidth. Each event also costs the change of the signal in the refractory period T, on
-average (π²/4)·f·P·T/θ of an event (the mean slope of a sine, weighted by its own events). So the
-number against frequency is fitted with
+damps the amplitude. The refractory period is set short: otherwise it would limit the events of fast
+flicker, not the bandwidth. Each event also costs the change of the signal in the refractory period
+T, on average (π²/4)·f·P·T/θ of an event (the mean slope of a sine, weighted by its own events). So
+the number against frequency is fitted with
 
     N(f) = N_0(P·g)/(1 + (π²/4)·f·(P·g/θ)·T),    g = s/√(1 + (f/f_c)²)
 
@@ -202,9 +202,10 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     return Section(
         "Bandwidth",
         f"A grey card of 18 % reflectance flickers by {math.exp(calibration.swing):.1f} to 1, as a "
-        "sine in the logarithm, with a short refractory period. The curves show the ON events that the signal causes, per cycle "
-        "and pixel. The cutoff is that of a first-order low-pass fitted to each curve. The fit "
-        "relates amplitude to events with a calibration by slow flicker of smaller amplitudes. "
+        "sine in the logarithm. The refractory period is set short. The curves show the ON events "
+        "that the signal causes, per cycle and pixel. The cutoff is that of a first-order low-pass "
+        "fitted to each curve. The fit relates amplitude to events with a calibration by slow "
+        "flicker of smaller amplitudes. "
         f"There is no cutoff where the card causes fewer than {_LEAST_EVENTS:g} events per cycle: "
         "in dim light the dark current hides the flicker, and noise resets the pixels before they "
         "cross their thresholds.",

@@ -29,8 +29,8 @@ WIDTH, HEIGHT = 346, 260
 CHIP_LUX = 2000.0
 """Illuminance on the chip: bright enough for the full bandwidth and hardly any noise [lux]."""
 SWING = 3.0
-"""Peak-to-peak amplitude of the flicker [ln units of luminance]: many times both thresholds, so that
-few events are missing where the light turns."""
+"""Peak-to-peak amplitude of the flicker [ln units of luminance]: many times both thresholds, so
+that few events are missing where the light turns."""
 LOADS = (0.1, 0.2, 0.3, 0.4, 0.46, 0.54, 0.65, 0.8)
 """Events that the pixels generate over words of the bus, approximately."""
 RECORDED, HIGHER = 4.15 / 12.0, 5.4 / 12.0
