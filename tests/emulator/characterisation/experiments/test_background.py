@@ -12,7 +12,7 @@ from emulator.characterisation.experiments.background import (
     record_static,
 )
 from flybench.events import Cause
-from tests.emulator.characterisation.plain_sensor import PLAIN
+from tests.emulator.characterisation.plain_sensor import PLAIN, QUIET
 
 
 def test_leak_gives_on_events_at_its_rate() -> None:
@@ -25,7 +25,7 @@ def test_leak_gives_on_events_at_its_rate() -> None:
 
 def test_without_leak_the_thresholds_set_the_ratio_of_the_rates() -> None:
     """θ_on·R_on = θ_off·R_off in a pixel that resets to what it sees."""
-    config = replace(PLAIN, noise_sigma=0.07, leak_hz=0.0, leak_hz_per_lux=0.0, theta_mismatch=0.0)
+    config = replace(QUIET, noise_sigma=0.05, theta_mismatch=0.0)
     found = measure_background(record_static(config, chip_lux=0.5, seed=2), chip_lux=0.5)
     assert found.by_cause_hz[Cause.LEAK] == found.by_cause_hz[Cause.HOT] == 0.0
     assert sum(found.by_cause_hz.values()) == pytest.approx(found.on_hz + found.off_hz, rel=1e-6)

@@ -44,7 +44,7 @@ def test_a_poisson_process_has_the_figures_of_one() -> None:
     )
     assert found.alternating == pytest.approx(0.5, abs=0.01)
     assert found.fano == pytest.approx(1.0, abs=0.06)
-    assert found.silent == pytest.approx(np.exp(-number / 400 / 40), rel=0.1)
+    assert found.silent == pytest.approx(np.exp(-number / 400 / 40), abs=0.005)
     assert found.variation == pytest.approx((1.0, 1.0), abs=0.03)
 
 
