@@ -1,7 +1,6 @@
 """The order of the readout: what a tree of arbiters leaves, and what a sweep leaves."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from emulator import Lines, ReadoutConfig, ReadoutKind, SensorConfig, preset
 from emulator.characterisation import sources
 from emulator.characterisation.experiments.line_order import (
-    LineOrder,
     measure,
     measure_load,
     measure_order,
@@ -20,11 +18,15 @@ TREE = ReadoutConfig()
 SWEEP = ReadoutConfig(kind=ReadoutKind.ROUND_ROBIN)
 
 
-@cache
-def order_of(readout: ReadoutConfig, rate_hz: float) -> LineOrder:
-    order = measure_load(replace(SensorConfig(), readout=readout), rate_hz=rate_hz, seed=1)
-    assert order is not None
-    return order
+def forward_moves(readout: ReadoutConfig, rate_hz: float) -> float:
+    """Return the share of moves forward, mean of three recordings: it varies by 0.05."""
+    shares = []
+    for seed in (1, 2, 3):
+        order = measure_load(replace(SensorConfig(), readout=readout), rate_hz=rate_hz, seed=seed)
+        assert order is not None
+        assert order.forward is not None
+        shares.append(order.forward)
+    return float(np.mean(shares))
 
 
 def test_the_lines_of_a_time_stamp_are_a_set() -> None:
@@ -65,11 +67,10 @@ def test_the_order_does_not_depend_on_that_within_a_time_stamp() -> None:
 def test_the_tree_moves_forward_and_back_and_a_sweep_only_forward(
     lines: Lines, rate_hz: float
 ) -> None:
-    tree = order_of(replace(TREE, lines=lines), rate_hz)
-    sweep = order_of(replace(SWEEP, lines=lines), rate_hz)
-    assert tree.forward == pytest.approx(0.5, abs=0.05)
-    assert sweep.forward is not None
-    assert sweep.forward > (0.55 if rate_hz == 4.2e6 else 0.8)
+    tree = forward_moves(replace(TREE, lines=lines), rate_hz)
+    sweep = forward_moves(replace(SWEEP, lines=lines), rate_hz)
+    assert tree == pytest.approx(0.5, abs=0.05)
+    assert sweep > (0.55 if rate_hz == 4.2e6 else 0.8)
 
 
 def test_the_order_resembles_that_of_a_real_camera() -> None:
