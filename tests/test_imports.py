@@ -34,7 +34,7 @@ LAYERS = {
         "characterisation"
     ),
     "detector": (
-        "errors estimate event_checks denoise windowed decision fly metrics frame_fly "
+        "errors estimate cells event_checks denoise windowed decision fly metrics frame_fly "
         "contrast_maximisation plane_fit space_time_filters spiking_delays time_difference"
     ),
     "formats": (

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from detector.cells import OUTSIDE, centred_cells
 from detector.space_time_filters.filters import SUPPORT, biphasic, gabor, monophasic, mu_of_speed
 from flybench.events import Events
 from flybench.kernels import compiled
@@ -52,8 +53,8 @@ class FilterBank:
         ages = (np.arange(_TABLE) + 0.5) / _TABLE * SUPPORT
         self._temporal = np.stack([monophasic(ages, 1.0), biphasic(ages, 1.0)]).astype(np.float32)
         self._cells = odd_cells(height), odd_cells(width)
-        self._corner_px = tuple(
-            (size - cells * CELL_PX) // 2
+        self._cell_of = tuple(
+            centred_cells(size, CELL_PX, cells)
             for size, cells in zip((height, width), self._cells, strict=True)
         )
         self.shape = (self._cells[0] + 1) // _STRIDE, (self._cells[1] + 1) // _STRIDE
@@ -72,7 +73,7 @@ class FilterBank:
             (speeds, directions, rows, columns) float32.
         """
         images = np.zeros((2, self.support_us.size, *self._cells), np.float32)
-        _accumulate(events, end_us, self.support_us, self._temporal, self._corner_px, images)
+        _accumulate(events, end_us, self.support_us, self._temporal, self._cell_of, images)
         return _directions(images[0], images[1], self._down, self._across)
 
 
@@ -140,15 +141,15 @@ def _part(image: F32, down: F32, across: F32) -> F32:
 
 @compiled
 def _accumulate(
-    events: Any, end_us: int, support_us: Any, temporal: Any, corner_px: Any, images: Any
+    events: Any, end_us: int, support_us: Any, temporal: Any, cell_of: Any, images: Any
 ) -> None:
     """Add each event, with its polarity as its sign, to the images of its temporal filters."""
-    _, speeds, rows, columns = images.shape
+    speeds = images.shape[1]
     ages = temporal.shape[1]
     for n in range(events.size - 1, -1, -1):
         event = events[n]
-        row, column = (event.y - corner_px[0]) // CELL_PX, (event.x - corner_px[1]) // CELL_PX
-        if not (0 <= row < rows and 0 <= column < columns):
+        row, column = cell_of[0][event.y], cell_of[1][event.x]
+        if row == OUTSIDE or column == OUTSIDE:
             continue
         sign = np.float32(1.0 if event.p else -1.0)
         age_us = float(end_us - event.t)

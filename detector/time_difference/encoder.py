@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from detector.cells import OUTSIDE, centred_cells
 from flybench.events import Events
 from flybench.kernels import compiled, inlined
 
@@ -23,7 +24,6 @@ STEP_US = 1_000
 RIGHT, LEFT, DOWN, UP = range(4)
 TRIGGERS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 """Column and row of the trigger relative to the facilitator, for each direction."""
-OUTSIDE = -1
 
 I64 = npt.NDArray[np.int64]
 
@@ -83,7 +83,8 @@ class TimeDifferenceEncoders:
         Args:
             neuron: parameters of all neurons.
             cell_px: side of the square of a correlation cell [px].
-            width: sensor columns [px]; cells are centred, so that a rim may belong to none.
+            width: sensor columns [px]; cells are centred, so that a rim and a
+                pixel in the middle may belong to none.
             height: sensor rows [px].
         """
         rows, columns = height // cell_px, width // cell_px
@@ -121,9 +122,8 @@ class TimeDifferenceEncoders:
 def cell_of_pixels(cell_px: int, *, width: int, height: int) -> npt.NDArray[np.int32]:
     """Return the index of each pixel's cell, (height, width) int32; `OUTSIDE` for the rim."""
     rows, columns = height // cell_px, width // cell_px
-    row = (np.arange(height) - (height - rows * cell_px) // 2) // cell_px
-    column = (np.arange(width) - (width - columns * cell_px) // 2) // cell_px
-    inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
+    row, column = centred_cells(height, cell_px, rows), centred_cells(width, cell_px, columns)
+    inside = (row != OUTSIDE)[:, None] & (column != OUTSIDE)
     return np.where(inside, row[:, None] * columns + column, OUTSIDE).astype(np.int32)
 
 
