@@ -42,7 +42,7 @@ _COLD_SCAN_EVENTS = 5000
 events (assumed). On synthetic dots of 120 to 1000 px/s this number leads to the same velocities as
 all events."""
 _SHUFFLES = 16
-"""Number of random exchanges of the events' times, to estimate the reward by chance (assumed)."""
+"""Number of random exchanges of the bursts' times, to estimate the reward by chance (assumed)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,9 +112,9 @@ class ContrastEstimate:
     Attributes:
         velocity_px_s: (x, y) [px/s].
         reward: reward of that velocity, with image pixels of 1 px.
-        prominence: how far this reward exceeds the rewards of the same velocity after the events
-            have exchanged their times, in standard deviations. The exchange destroys the edges of a
-            moving object, but changes neither noise nor flicker in place.
+        prominence: how far this reward exceeds the rewards of the same velocity after the bursts of
+            all pixels have exchanged their times, in standard deviations. The exchange destroys the
+            edges of a moving object, but changes neither noise nor flicker in place.
         is_cold: True if all velocities were searched.
     """
 
@@ -156,7 +156,12 @@ def maximise_contrast(
     area_px = (width + reach) * (height + reach)
 
     def thinned(number: int) -> WarpedEvents:
-        points = centred_points(events, most=number, middle_us=(from_us + to_us) / 2)
+        points = centred_points(
+            events,
+            most=number,
+            middle_us=(from_us + to_us) / 2,
+            middle_px=((width - 1) / 2, (height - 1) / 2),
+        )
         return WarpedEvents(points, reward=c.reward, area_px=area_px)
 
     warped = thinned(c.most_events)

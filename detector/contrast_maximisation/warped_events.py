@@ -48,28 +48,34 @@ class Reward(IntEnum):
     """Mean of h² times mean of e^(−p·h), the reward R₁ of Stoffregen and Kleeman (2019)."""
 
 
-def centred_points(events: Events, *, most: int, middle_us: float) -> F32:
-    """Return x [px], y [px] and the time from the middle of the window [s] of each event.
+def centred_points(
+    events: Events, *, most: int, middle_us: float, middle_px: tuple[float, float]
+) -> F32:
+    """Return x [px], y [px] and the time [s] of each event, from the middle of sensor and window.
+
+    From there, mirrored events have mirrored points, and so do the pixels of their images: with
+    pixels of any side, one has its centre in the middle.
 
     Args:
         events: sorted by t.
         most: largest number of events; from more events, this many are taken, evenly.
         middle_us: middle of the window [µs].
+        middle_px: (x, y) of the middle of the sensor [px].
 
     Returns:
         (3, n) float32.
     """
     points = np.empty((3, min(events.size, most)), np.float32)
-    _centre(events, middle_us, points)
+    _centre(events, middle_us, middle_px, points)
     return points
 
 
 @compiled
-def _centre(events: Any, middle_us: float, points: Any) -> None:
+def _centre(events: Any, middle_us: float, middle_px: Any, points: Any) -> None:
     number = points.shape[1]
     for k in range(number):
         event = events[k * events.size // number]
-        points[0, k], points[1, k] = event.x, event.y
+        points[0, k], points[1, k] = event.x - middle_px[0], event.y - middle_px[1]
         points[2, k] = (event.t - middle_us) * 1e-6
 
 

@@ -22,6 +22,13 @@ VARIANCE, GRADIENT, SUPPRESSED, COMBINED = range(4)
 SUPPRESSION = 3.0
 """p of the suppressed accumulations. The value in Stoffregen's published code."""
 
+BURST_S = 4e-3
+"""Events of a pixel up to this time after another belong to one burst [s]: the spacing of the
+events of a sharp edge at 50 px/s, as in `PlaneFitConfig` (assumed)."""
+
+SLACK_S = np.float32(1e-6)
+"""Rounding error of a time that stays in the window [s]."""
+
 RIM = 4
 """Width of the empty rim around the warped events [image pixels]. A vote spreads by one pixel, and
 by one more if it is rounded up; smoothing spreads by one and leaves out the outermost pixel."""
@@ -55,13 +62,41 @@ def rewards_by_order(
     buffer: Any,
     found: Any,
 ) -> None:
-    """Write the reward of one velocity to `found` for each order of the events' times."""
-    times = np.empty_like(points[2])
+    """Write the reward of one velocity to `found` for each order of the times of bursts.
+
+    A time that leaves the window comes in at its other end.
+    """
+    burst, starts = _bursts(points, box)
+    times, moved = np.empty_like(points[2]), np.empty_like(starts)
+    first, span = np.float32(box[0, 2, 0]), np.float32(box[1, 2, 0] - box[0, 2, 0])
     for n in range(orders.shape[0]):
+        taken = 0
+        for other in orders[n]:
+            if other < starts.size:
+                moved[taken] = starts[other] - starts[taken]
+                taken += 1
         for i in range(times.size):
-            times[i] = points[2, orders[n, i]]
+            late = points[2, i] + moved[burst[i]] - first
+            times[i] = first + (late - span if late > span + SLACK_S else late)
         votes = _votes(points, times, box, velocity[0], velocity[1], scale[0], buffer)
         found[n] = _reward(votes, kind, scale[1], points.shape[1])
+
+
+@compiled
+def _bursts(points: Any, box: Any) -> Any:
+    """Return the burst of each event, and the time of the first event of each burst [s]."""
+    x0, y0 = box[0, 0, 0], box[0, 1, 0]
+    columns, rows = int(box[1, 0, 0] - x0) + 1, int(box[1, 1, 0] - y0) + 1
+    latest = np.full(rows * columns, -1, np.int32)
+    burst, starts, number = np.empty(points.shape[1], np.int32), np.empty_like(points[2]), 0
+    for i in range(burst.size):
+        pixel = int(points[1, i] - y0) * columns + int(points[0, i] - x0)
+        if latest[pixel] < 0 or points[2, i] - starts[latest[pixel]] > BURST_S:
+            latest[pixel] = number
+            starts[number] = points[2, i]
+            number += 1
+        burst[i] = latest[pixel]
+    return burst, starts[:number]
 
 
 @compiled
@@ -93,14 +128,17 @@ def _votes(
 def _extent(boxes: Any, axis: int, u: float, per_px: float) -> Any:
     """Return the origin and length of the image along an axis, for all warped events.
 
-    The origin is a whole number, so that its place does not affect the rewards.
+    The origin is a whole number, so that its place does not affect the rewards; on a sensor with an
+    even side, whose middle lies between two pixels, a whole number and a half. The grid is then its
+    own mirror image, and its pixels of 1 px are those of the sensor.
     """
+    half = 0.5 if boxes[0, axis, 0] - np.floor(boxes[0, axis, 0]) == 0.5 else 0.0
     low, high = np.inf, -np.inf
     for n in range(boxes.shape[2]):
         early, late = u * boxes[0, 2, n], u * boxes[1, 2, n]
         low = min(low, boxes[0, axis, n] * per_px - max(early, late))
         high = max(high, boxes[1, axis, n] * per_px - min(early, late))
-    origin = np.floor(low) - RIM
+    origin = np.floor(low - half) + half - RIM
     return origin, int(high - origin) + RIM + 1
 
 

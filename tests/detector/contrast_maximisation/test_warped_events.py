@@ -128,6 +128,8 @@ def test_the_order_of_the_events_does_not_matter() -> None:
 
 def test_rewards_by_chance_exchange_the_times() -> None:
     points, velocity = random_points(), (130.0, -70.0)
+    points[0], points[1] = np.arange(200) % 20 * 5, np.arange(200) // 20 * 5  # one event a pixel
+    points[2].sort()
     orders = np.random.default_rng(1).permuted(np.tile(np.arange(200), (3, 1)), axis=1)
     exchanged = [np.stack([points[0], points[1], points[2, order]]) for order in orders]
     warped = WarpedEvents(points, reward=Reward.GRADIENT, area_px=90_000.0)
@@ -136,11 +138,12 @@ def test_rewards_by_chance_exchange_the_times() -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
-def test_points_are_centred_in_time_and_thinned_evenly() -> None:
+def test_points_are_centred_and_thinned_evenly() -> None:
     events = np.zeros(5, EVENT_DTYPE)
     events["t"], events["x"], events["y"] = np.arange(5) * 1000, np.arange(5), 7
-    points = centred_points(events, most=3, middle_us=2000.0)
-    expected = np.array([[0.0, 1.0, 3.0], [7.0, 7.0, 7.0], [-0.002, -0.001, 0.001]])
+    points = centred_points(events, most=3, middle_us=2000.0, middle_px=(2.0, 3.5))
+    expected = np.array([[-2.0, -1.0, 1.0], [3.5, 3.5, 3.5], [-0.002, -0.001, 0.001]])
     np.testing.assert_allclose(points, expected, rtol=1e-6)
     assert points.dtype == np.float32
-    assert centred_points(events, most=9, middle_us=0.0)[0].tolist() == [0, 1, 2, 3, 4]
+    points = centred_points(events, most=9, middle_us=0.0, middle_px=(0.0, 0.0))
+    assert points[0].tolist() == [0, 1, 2, 3, 4]
