@@ -21,6 +21,9 @@ from detector.fly.model_variants import Attention, LocalMotion
 from detector.fly.region import search_square
 
 F32 = npt.NDArray[np.float32]
+_NOISE = 0.03
+"""Mean activity of saturating surfaces in noise of 10 Hz per pixel, with an `event_gain` of 0.1."""
+
 Pair = tuple[float, float]
 """One value for each axis, x then y."""
 
@@ -195,17 +198,19 @@ class ViewCentre:
         self.is_attending = False
         self._steered.extend([(0.0, 0.0)] * len(self._steered))
 
-    def update(self, saliency: F32, maps: F32) -> None:
+    def update(self, saliency: F32, maps: F32, *, activity: float = 0.0) -> None:
         """Move one step towards the most salient cell.
 
         Args:
             saliency: (rows, columns) float32.
             maps: T4 + T5, (4, rows, columns) float32.
+            activity: mean of both surfaces before inhibition, added.
         """
         if self._config.attention is Attention.EVERYWHERE:
             self.is_attending = True
             return
-        if prominence(saliency) < self._config.saliency_floor:
+        c = self._config
+        if prominence(saliency) < max(c.saliency_floor, c.crowd_share * (activity - _NOISE)):
             self.release()
             return
         self.is_attending = True

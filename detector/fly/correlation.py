@@ -16,10 +16,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
-from detector.fly.model_variants import PairLocation
+from detector.fly.model_variants import PairLocation, ReceptiveFields
 from flybench.kernels import compiled
 
 F32 = npt.NDArray[np.float32]
@@ -34,6 +35,7 @@ def t4(
     *,
     offsets: Sequence[int],
     pair_location: PairLocation = PairLocation.MIDPOINT,
+    receptive_fields: ReceptiveFields = ReceptiveFields.CELL,
 ) -> F32:
     """Correlate the ON pathway along both axes (T4; paper, equation 9).
 
@@ -42,13 +44,20 @@ def t4(
         on_delayed: delayed ON surface, (rows, columns) float32.
         offsets: i, the distances between the two points of a pair, which are summed over [cells].
         pair_location: cell to which a pair belongs.
+        receptive_fields: size of the two points of a pair.
 
     Returns:
         (4, rows, columns) float32, planes right, left, up, down. If the midpoint of a pair lies
         between two cells, as with an odd distance, each cell takes half.
     """
     at_delayed = pair_location is PairLocation.DELAYED
-    maps: F32 = _half_detectors(on, on_delayed, np.array(offsets, np.int64), at_delayed)
+    if receptive_fields is ReceptiveFields.CELL:
+        maps: F32 = _half_detectors(on, on_delayed, np.array(offsets, np.int64), at_delayed)
+        return maps
+    maps = np.zeros((4, *on.shape), np.float32)
+    for i in offsets:
+        points = receptive_field(on, i), receptive_field(on_delayed, i)
+        maps += _half_detectors(*points, np.array([i], np.int64), at_delayed)
     return maps
 
 
@@ -58,9 +67,31 @@ def t5(
     *,
     offsets: Sequence[int],
     pair_location: PairLocation = PairLocation.MIDPOINT,
+    receptive_fields: ReceptiveFields = ReceptiveFields.CELL,
 ) -> F32:
     """Correlate the OFF pathway along both axes (T5; paper, equation 9), as `t4` does for ON."""
-    return t4(off, off_delayed, offsets=offsets, pair_location=pair_location)
+    return t4(
+        off,
+        off_delayed,
+        offsets=offsets,
+        pair_location=pair_location,
+        receptive_fields=receptive_fields,
+    )
+
+
+def receptive_field(surface: F32, width: int) -> F32:
+    """Return the surface as points of a receptive field see it; cells outside count as 0.
+
+    Args:
+        surface: (rows, columns) float32.
+        width: width of the field at half its height [cells]. 1: the surface itself.
+    """
+    if width == 1:
+        return surface
+    weights = width - np.abs(np.arange(1 - width, width, dtype=np.float32))
+    weights /= weights.sum()
+    seen = cv2.sepFilter2D(surface, -1, weights, weights, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(seen, np.float32)
 
 
 @compiled

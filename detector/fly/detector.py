@@ -23,8 +23,9 @@ from detector.fly.attention import ViewCentre, saliency_map
 from detector.fly.config import FlyConfig
 from detector.fly.correlation import t4, t5
 from detector.fly.maps import FlyMaps
-from detector.fly.model_variants import Attention, Normalisation, RegionActivity
+from detector.fly.model_variants import Attention, Normalisation, RegionActivity, SurfaceEvents
 from detector.fly.region import region_of_interest
+from detector.fly.saturating_surface import SaturatingSurfaces
 from detector.fly.state import (
     State,
     check_arrays,
@@ -38,6 +39,7 @@ from detector.fly.tangential import (
     horizontal_system,
     lobula_plate,
     normalise,
+    shares_of_all,
     shares_of_total,
     signal_to_noise,
     vertical_system,
@@ -103,13 +105,16 @@ class FlyDetector:
         count_memory(self, f"A fly of {width}×{height} px", _needed_bytes(c, width, height))
         self.memory_us = c.memory_us
         self._width, self._height = width, height
-        self._surfaces = TimeSurfaces(c, width=width, height=height)
+        is_saturating = c.time_surface is SurfaceEvents.SATURATING
+        kind = SaturatingSurfaces if is_saturating else TimeSurfaces
+        self._surfaces: SaturatingSurfaces | TimeSurfaces = kind(c, width=width, height=height)
         grid = self._surfaces.rows, self._surfaces.columns
-        image_centre = width / 2 / c.cell_px - 0.5, height / 2 / c.cell_px - 0.5
+        left, top = self._surfaces.origin_px
+        image_centre = (width / 2 - left) / c.cell_px - 0.5, (height / 2 - top) / c.cell_px - 0.5
         self._centre = ViewCentre(c, grid=grid, image_centre=image_centre)
         self._hop = 0
         self._now_us: int | None = None
-        self._blank_maps = FlyMaps.blank(grid, cell_px=c.cell_px)
+        self._blank_maps = FlyMaps.blank(grid, cell_px=c.cell_px, origin_px=(left, top))
         self.maps = self._blank_maps
 
     def push(self, events: Events) -> list[MotionEstimate]:
@@ -233,7 +238,7 @@ class FlyDetector:
         response = horizontal_system(lp), vertical_system(lp)
         hs, vs = self._normalise(response, lp)
         snr = signal_to_noise(self.maps.motion, self.maps.attended)
-        x, y = self._centre.position
+        (x, y), (left, top) = self._centre.position, self._surfaces.origin_px
         return MotionEstimate(
             t_us=end_us,
             hs=hs,
@@ -243,32 +248,41 @@ class FlyDetector:
                 vs,
                 snr=snr,
                 snr_floor=c.snr_floor,
-                shares=shares_of_total(lp),
+                shares=self._shares(lp),
                 share_floor=c.share_floor,
             ),
             strength=max(abs(hs), abs(vs)),
             response=response,
-            view_centre_px=((x + 0.5) * c.cell_px, (y + 0.5) * c.cell_px),
+            view_centre_px=((x + 0.5) * c.cell_px + left, (y + 0.5) * c.cell_px + top),
             roi_px=self.maps.bounding_box_px(width=self._width, height=self._height),
         )
 
     def _normalise(self, response: tuple[float, float], lp: DirectionSums) -> tuple[float, float]:
-        if self.config.normalisation is Normalisation.TOTAL:
-            return shares_of_total(lp)
+        if self.config.normalisation is not Normalisation.CELLS:
+            return self._shares(lp)
         cells, scale = self.maps.attended.size, self.config.response_scale
         hs, vs = (normalise(r, cells=cells, scale=scale) for r in response)
         return hs, vs
 
+    def _shares(self, lp: DirectionSums) -> tuple[float, float]:
+        """Return HS and VS relative to the responses that the normalisation divides by."""
+        is_all = self.config.normalisation is Normalisation.ALL
+        return shares_of_all(lp) if is_all else shares_of_total(lp)
+
     def _compute_maps(self, on: F32, off: F32) -> FlyMaps:
         c = self.config
         off_delayed, on_delayed = self._surfaces.delayed(hop=self._hop)
-        t4_maps = t4(on, on_delayed, offsets=c.offsets_cells, pair_location=c.pair_location)
-        t5_maps = t5(off, off_delayed, offsets=c.offsets_cells, pair_location=c.pair_location)
-        motion = t4_maps + t5_maps
+        pairs: dict[str, Any] = {
+            "offsets": c.offsets_cells,
+            "pair_location": c.pair_location,
+            "receptive_fields": c.receptive_fields,
+        }
+        motion = t4(on, on_delayed, **pairs) + t5(off, off_delayed, **pairs)
         saliency = saliency_map(on, off, radius=c.saliency_radius_cells)
-        self._centre.update(saliency, motion)
+        self._centre.update(saliency, motion, activity=self._surfaces.activity)
         attended = self._attended_region(on, off)
-        return FlyMaps(on, off, motion, saliency, attended, c.cell_px)
+        origin_px = self._surfaces.origin_px
+        return FlyMaps(on, off, motion, saliency, attended, c.cell_px, origin_px)
 
     def _attended_region(self, on: F32, off: F32) -> npt.NDArray[np.bool_]:
         c = self.config
@@ -292,7 +306,8 @@ def _needed_bytes(config: FlyConfig, width: int, height: int) -> int:
     """Return the memory of a fly without its events [bytes]."""
     cells = -(-width // config.cell_px) * -(-height // config.cell_px)
     hops = 32 * config.window_hops + 8 * (max(config.delays_hops) + 1)
-    return 16 * width * height + cells * (hops + _MAPS_BYTES)
+    pixel = 42 if config.time_surface is SurfaceEvents.SATURATING else 16
+    return pixel * width * height + cells * (hops + _MAPS_BYTES)
 
 
 def _checked_config(config: Any) -> FlyConfig:

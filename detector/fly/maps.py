@@ -21,6 +21,7 @@ class FlyMaps:
         saliency: smoothed H_on + H_off, (rows, columns) float32.
         attended: region of interest, (rows, columns) bool.
         cell_px: side of a cell [px].
+        origin_px: corner of the first cell, (x, y) on the sensor, not positive [px].
     """
 
     on: F32
@@ -29,9 +30,12 @@ class FlyMaps:
     saliency: F32
     attended: npt.NDArray[np.bool_]
     cell_px: int
+    origin_px: tuple[int, int] = (0, 0)
 
     @classmethod
-    def blank(cls, grid: tuple[int, int], *, cell_px: int) -> FlyMaps:
+    def blank(
+        cls, grid: tuple[int, int], *, cell_px: int, origin_px: tuple[int, int] = (0, 0)
+    ) -> FlyMaps:
         """Return maps without activity, for a grid of (rows, columns)."""
         blank = np.zeros(grid, np.float32)
         return cls(
@@ -41,6 +45,7 @@ class FlyMaps:
             saliency=blank,
             attended=np.zeros(grid, np.bool_),
             cell_px=cell_px,
+            origin_px=origin_px,
         )
 
     def bounding_box_px(self, *, width: int, height: int) -> tuple[int, int, int, int] | None:
@@ -57,6 +62,10 @@ class FlyMaps:
         if rows.size == 0:
             return None
         columns = np.flatnonzero(self.attended.any(axis=0))
-        x0, y0 = int(columns[0]) * self.cell_px, int(rows[0]) * self.cell_px
-        x1, y1 = (int(columns[-1]) + 1) * self.cell_px, (int(rows[-1]) + 1) * self.cell_px
-        return x0, y0, min(x1, width), min(y1, height)
+        left, top = self.origin_px
+        x0, y0 = left + int(columns[0]) * self.cell_px, top + int(rows[0]) * self.cell_px
+        x1, y1 = (
+            left + (int(columns[-1]) + 1) * self.cell_px,
+            top + (int(rows[-1]) + 1) * self.cell_px,
+        )
+        return max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)

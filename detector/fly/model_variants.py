@@ -59,6 +59,8 @@ class SurfaceEvents(StrEnum):
     """Strictly earlier events, as printed. An isolated event scores 0."""
     ITSELF = "itself"
     """Earlier events and the event itself. An isolated event scores 1."""
+    SATURATING = "saturating"
+    """All events of its pixel, each a share of what is missing to 1, when the estimate is due."""
 
 
 class Averaging(StrEnum):
@@ -81,6 +83,16 @@ class Offsets(StrEnum):
     """sd, 2·sd, 3·sd, … n_c·sd: the printed limits, read as multiples of sd."""
     DOUBLING = "doubling"
     """sd, 2·sd, 4·sd, … 2^(n_c − 1)·sd: many scales from few distances."""
+
+
+class ReceptiveFields(StrEnum):
+    """The size of the two points of a pair in equation 9."""
+
+    CELL = "cell"
+    """One cell, as printed."""
+    DISTANCE = "distance"
+    """As wide as the pair is long, like the facets of an eye. Finer detail, which a pair of this
+    length would take for motion in another direction, is averaged out."""
 
 
 class PairLocation(StrEnum):
@@ -128,6 +140,8 @@ class Normalisation(StrEnum):
     """Sigmoid of the response over the number of cells. Strength distinguishes slow from fast."""
     TOTAL = "total"
     """Share of the sum of both directions. Strength is the degree of agreement."""
+    ALL = "all"
+    """Share of the sum of all four directions, so that both systems are divided by the same."""
 
 
 class GrmsResponse(StrEnum):

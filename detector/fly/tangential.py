@@ -95,5 +95,18 @@ def shares_of_total(lp: DirectionSums) -> tuple[float, float]:
     )
 
 
+def shares_of_all(lp: DirectionSums) -> tuple[float, float]:
+    """Return HS and VS relative to the sum of all four directions, each in (−1, 1).
+
+    This is divisive normalisation by the total activity: the ratio of HS and VS stays as it is, and
+    neither depends on the number of events.
+
+    Args:
+        lp: LP of right, left, up and down; see `lobula_plate`.
+    """
+    total = sum(lp)
+    return _share(horizontal_system(lp), total), _share(vertical_system(lp), total)
+
+
 def _share(response: float, total: float) -> float:
     return clip_to_open_interval(response / total) if total > 0.0 else 0.0

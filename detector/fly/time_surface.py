@@ -23,6 +23,7 @@ from detector.fly.event_histogram import (
 )
 from detector.fly.histogram import averaged_histogram
 from detector.fly.model_variants import SurfaceEvents
+from detector.fly.surface_history import SurfaceHistory
 from flybench.events import Events
 from flybench.memory import check_memory, count_memory
 
@@ -40,13 +41,18 @@ _ARRAYS = ("totals", "times", "pixels", "merged", "clock", "tallies", "surfaces"
 """Arrays of `TimeSurfaces` that belong to its state."""
 
 
-class TimeSurfaces:
+class TimeSurfaces(SurfaceHistory):
     """Accumulates events hop by hop and averages them over windows (equations 2 to 8).
 
     A hop is the step between estimates. For each hop of a window, every cell and polarity has a
     tally: the sum of its events' surfaces, and their number. A window is the sum of its hops.
     Averaged surfaces are kept for the longest delay.
+
+    Attributes:
+        origin_px: corner of the first cell, (x, y) on the sensor [px].
     """
+
+    origin_px = 0, 0
 
     def __init__(self, config: FlyConfig, *, width: int, height: int) -> None:
         """Start empty, at time 0.
@@ -59,6 +65,7 @@ class TimeSurfaces:
         self._config = config
         side = config.cell_px
         self.rows, self.columns = -(-height // side), -(-width // side)
+        super().__init__(config, grid=(self.rows, self.columns))
         self._origin_age_us = origin_age_us(config.tau_us)
         self._parameters = (
             config.window_us,
@@ -72,8 +79,6 @@ class TimeSurfaces:
         self._totals = np.zeros(2 * height * width)
         grid = 2, self.rows, self.columns
         self._tallies = np.zeros((config.window_hops, *grid, 2))
-        self._surfaces = np.zeros((max(config.delays_hops) + 1, *grid), np.float32)
-        self._has_surface = np.zeros(max(config.delays_hops) + 1, np.bool_)
         self._clock = np.zeros(5, np.int64)
         self.forget()
 
@@ -81,11 +86,6 @@ class TimeSurfaces:
     def is_fresh(self) -> bool:
         """True if no event has come yet, or none since everything was forgotten."""
         return not self._clock[NEWEST]
-
-    @property
-    def is_quiet(self) -> bool:
-        """True if every surface that is kept is empty."""
-        return not self._has_surface.any()
 
     @property
     def last_event_us(self) -> int:
@@ -206,34 +206,15 @@ class TimeSurfaces:
             (2, rows, columns) float32, dimensionless: OFF surface, ON surface. `averaged` returns
             it again until the longest delay is over.
         """
-        slot = hop % len(self._surfaces)
-        self._has_surface[slot] = any(self._hop_events)
-        if self._has_surface[slot]:
-            self._surfaces[slot] = averaged_histogram(
-                self._tallies,
-                oldest=(hop + 1) % len(self._tallies),
-                averaging=self._config.averaging,
-                cell_area=self._config.cell_px**2,
-            )
-        else:
-            self._surfaces[slot] = 0.0
-        return self.averaged(hop=hop)
-
-    def averaged(self, *, hop: int) -> F32:
-        """Return a copy of what `average` returned for a hop, at most the longest delay ago."""
-        surface: F32 = self._surfaces[hop % len(self._surfaces)].copy()
-        return surface
-
-    def delayed(self, *, hop: int) -> F32:
-        """Return the delayed signal Ĥ of equation 9: the mean surface over the delays before a hop.
-
-        Correlation is linear in it, so that several delays cost no more than one.
-        """
-        if len(self._config.delays_hops) == 1:
-            return self.averaged(hop=hop - self._config.delays_hops[0])
-        taps = (np.array(self._config.delays_hops) * -1 + hop) % len(self._surfaces)
-        surface: F32 = self._surfaces[taps].mean(axis=0)
-        return surface
+        if not any(self._hop_events):
+            return self._keep(hop, None)
+        surface = averaged_histogram(
+            self._tallies,
+            oldest=(hop + 1) % len(self._tallies),
+            averaging=self._config.averaging,
+            cell_area=self._config.cell_px**2,
+        )
+        return self._keep(hop, surface)
 
     def _make_room(self) -> None:
         """Merge equal entries of the full ring buffer; double it if that does not free half of it.

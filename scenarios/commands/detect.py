@@ -32,7 +32,7 @@ from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.streams import SafeConsole, own_output
 from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.feeding import DetectorFeed, fly_maps
-from scenarios.pipeline.registry import FLY
+from scenarios.pipeline.registry import ROBUST
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
@@ -52,7 +52,7 @@ class Detect:
             "gives all its limits."
         ),
     ]
-    method: MethodName = FLY
+    method: MethodName = ROBUST
     filter: FilterName = None
     json: bool = False
     """Print one JSON document with estimates, verdict and file statistics instead of tables."""

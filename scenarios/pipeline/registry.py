@@ -32,7 +32,7 @@ from detector import (
 )
 from detector.fly.model_variants import Attention
 
-FLY, WIDE = "fly", "wide"
+FLY, WIDE, ROBUST = "fly", "wide", "robust"
 FLY_EVERYWHERE, WIDE_EVERYWHERE = "fly-no-attention", "wide-no-attention"
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
 EDGE_INFORMED = "edge-informed-contrast"
@@ -136,6 +136,15 @@ _ENTRIES = (
         colour="#946800",
         marker="H",
         in_study=False,
+    ),
+    DetectorEntry(
+        name=ROBUST,
+        factory=FlyDetector,
+        config=FlyConfig.preset("robust"),
+        family=Family.EVENT_FLY,
+        label="event-driven fly, robust",
+        colour="#AA3377",
+        marker="*",
     ),
     DetectorEntry(
         name=FRAME_FLY,

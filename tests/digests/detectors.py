@@ -18,6 +18,7 @@ from detector.fly.model_variants import (
     Normalisation,
     Offsets,
     PairLocation,
+    ReceptiveFields,
     RegionActivity,
     SurfaceEvents,
 )
@@ -33,6 +34,7 @@ WIDTH, HEIGHT = 346, 260
 MODEL_VARIANTS: dict[str, type[StrEnum]] = {
     "time_surface": SurfaceEvents,
     "averaging": Averaging,
+    "receptive_fields": ReceptiveFields,
     "offsets": Offsets,
     "pair_location": PairLocation,
     "attention": Attention,
@@ -91,7 +93,7 @@ CASES: dict[str, Case] = (
         f"detector.fly.{field}_{value.value}": _fly_case(**{field: value})
         for field, choices in MODEL_VARIANTS.items()
         for value in choices
-        if value != getattr(FlyConfig(), field)
+        if value not in (getattr(FlyConfig(), field), SurfaceEvents.SATURATING)
     }
     | {f"detector.fly.{name}": _fly_case(**changes) for name, changes in OTHERS.items()}
     | {"detector.grms": Case(gradients)}

@@ -18,7 +18,9 @@ from detector.time_difference.detector import TimeDifference
 from scenarios.pipeline.registry import DETECTORS, gives_velocity
 
 
-@pytest.mark.parametrize(("name", "preset"), [("fly", "paper"), ("wide", "wide")])
+@pytest.mark.parametrize(
+    ("name", "preset"), [("fly", "paper"), ("wide", "wide"), ("robust", "robust")]
+)
 def test_the_fly_has_a_name_for_each_preset(name: str, preset: str) -> None:
     fly = DETECTORS[name].make(width=346, height=260)
     assert isinstance(fly, FlyDetector)
