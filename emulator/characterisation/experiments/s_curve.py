@@ -228,8 +228,8 @@ def _quantities(curves: dict[bool, list[SCurve]], scale: float) -> list[Quantity
             Quantity(f"{name} mismatch at 1 klux", "%", percent, sources.MISMATCH),
             Quantity(f"{name} mismatch at 1 klux", "%", percent, sources.MISMATCH_DVS128),
         ]
-    on, off = (curves[polarity][at].threshold for polarity in (True, False))
-    ratio = None if on is None or off is None else off / on
+    theta_on, theta_off = (curves[polarity][at].threshold for polarity in (True, False))
+    ratio = None if theta_on is None or theta_off is None else theta_off / theta_on
     quantities += [
         Quantity("OFF over ON threshold at 1 klux", "", ratio, published)
         for published in (sources.THRESHOLD_RATIO, sources.THRESHOLD_RATIO_JOUBERT)

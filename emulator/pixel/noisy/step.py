@@ -147,7 +147,7 @@ def step_noisy(
         )
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
-        stored_us = sleep_us = np.float64(step_us)
+        stored_us = sleep_us = float(step_us)
         moved = changed or own.draws >= MOVED
         if changed:
             plan = plan_step(model, log_from, log_to, True, -rest_us, np.float64(step_us))

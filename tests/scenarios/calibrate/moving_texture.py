@@ -70,7 +70,8 @@ def recorded(
 ) -> tuple[Events, tuple[ApsFrame, ...]]:
     """Return events and frames of a sensor that sees the texture."""
     camera = EventSensor(sensor, seed=seed + 1)
-    events, frames = [], []
+    events: list[Events] = []
+    frames: list[ApsFrame] = []
     for t_us, lux in illuminance(move_s=move_s, still_s=still_s, seed=seed):
         output = camera.step(t_us, chip_luminance(sensor, lux))
         events.append(output.events)

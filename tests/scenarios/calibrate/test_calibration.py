@@ -7,13 +7,13 @@ from scenarios.calibrate.calibration import Calibration, calibrate
 from scenarios.calibrate.recording import from_aps
 from tests.scenarios.calibrate.moving_texture import HEIGHT, WIDTH, recorded
 
-SIZE = {"width": WIDTH, "height": HEIGHT}
 SENSORS = {
     "like the default": SensorConfig(
-        **SIZE, noise_sigma=0.05, follower_hz=1000.0, refractory_us=200
+        width=WIDTH, height=HEIGHT, noise_sigma=0.05, follower_hz=1000.0, refractory_us=200
     ),
     "sensitive": SensorConfig(
-        **SIZE,
+        width=WIDTH,
+        height=HEIGHT,
         theta_on=0.15,
         theta_off=0.12,
         theta_mismatch=0.015,
@@ -23,7 +23,8 @@ SENSORS = {
         leak_hz=0.2,
     ),
     "dull, fast and noisy": SensorConfig(
-        **SIZE,
+        width=WIDTH,
+        height=HEIGHT,
         theta_on=0.45,
         theta_off=0.40,
         theta_mismatch=0.04,

@@ -1,6 +1,7 @@
 """Event pixels against a calculation by hand."""
 
 import numpy as np
+import pytest
 
 from emulator import SensorConfig
 from flybench.events import Events
