@@ -130,7 +130,7 @@ class EdgeRewards:
         Args:
             warped: the events, for the contrast.
             references: for each frame, the events with their times from that of the frame, (3, n),
-                and its edges, (height, width).
+                and from the first pixel, and its edges, (height, width).
             config: the weights.
         """
         self._warped, self._references, self._config = warped, references, config
@@ -239,12 +239,13 @@ class EdgeInformedContrast(ContrastMaximisation):
         window_s = c.window_us * 1e-6
         reach = c.limit_px_s * window_s
         area_px = (self._width + reach) * (self._height + reach)
+        middle_px = ((self._width - 1) / 2, (self._height - 1) / 2)
 
         def rewards_of(number: int) -> tuple[WarpedEvents, EdgeRewards]:
             middle_us = end_us - c.window_us / 2
-            points = centred_points(events, most=number, middle_us=middle_us)
+            points = centred_points(events, most=number, middle_us=middle_us, middle_px=middle_px)
             references = [
-                (centred_points(events, most=number, middle_us=t_us), edges)
+                (centred_points(events, most=number, middle_us=t_us, middle_px=(0.0, 0.0)), edges)
                 for t_us, edges in frames
             ]
             warped = WarpedEvents(points, reward=c.reward, area_px=area_px)

@@ -100,7 +100,7 @@ def test_without_frames_it_answers_as_contrast_maximisation() -> None:
 def test_the_edges_lower_the_reward_of_a_velocity_that_they_contradict() -> None:
     truth, config = (200.0, 0.0), EdgeInformedConfig(contrast_weight=0.0)
     events = square_events(truth)
-    points = centred_points(events, most=20_000, middle_us=SPAN_US / 2)
+    points = centred_points(events, most=20_000, middle_us=SPAN_US / 2, middle_px=(0.0, 0.0))
     warped = WarpedEvents(points, reward=Reward.GRADIENT, area_px=1e4)
 
     def best(frame_us: float) -> float:
