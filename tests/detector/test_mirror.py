@@ -11,13 +11,14 @@ import pytest
 
 from detector.estimate import MotionEstimate
 from flybench.events import Events
-from scenarios.pipeline.registry import DETECTORS, FLY, WIDE
+from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, WIDE, WIDE_EVERYWHERE
 from tests.detector.stimuli import merged, noise, slide, textured_box
 
 DURATION_US = 200_000
 SIZES = [(131, 97), (130, 99), (132, 98)]
+FROM_THE_CORNER = (FLY, WIDE, FLY_EVERYWHERE, WIDE_EVERYWHERE)
 METHODS = [
-    name for name, e in DETECTORS.items() if not e.looks_at_frames and name not in (FLY, WIDE)
+    name for name, e in DETECTORS.items() if not e.looks_at_frames and name not in FROM_THE_CORNER
 ]
 Turn = tuple[Callable[[Events, int, int], None], Callable[[MotionEstimate], tuple[float, float]]]
 

@@ -70,7 +70,7 @@ def test_the_summary_has_the_documented_fields(finished_run: tuple[Path, str]) -
     assert sum(summary["events"]["by_cause"].values()) == events.size
     assert set(summary["wall_s"]) == {"render", "emulate", "detect", "record", "total"}
     assert summary["seed"] == 7
-    assert summary["parameters"]["sensor"]["theta_on"] == 0.18
+    assert summary["parameters"]["sensor"]["theta_on"] == 0.28
     assert summary["parameters"]["crossing"]["distance_m"] == 6.89
     assert summary["devices"]
     assert summary["parameters"]["fly"]["tau_us"] == 30_000

@@ -136,7 +136,7 @@ def test_the_default_neuron_is_that_of_the_published_code() -> None:
 
 def test_cells_are_centred() -> None:
     cells = cell_of_pixels(2, width=7, height=4)
-    np.testing.assert_array_equal(cells[0], [0, 0, 1, 1, 2, 2, -1])
+    np.testing.assert_array_equal(cells[0], [0, 0, 1, 1, 1, 2, 2])
     np.testing.assert_array_equal(cells[:, 0], [0, 0, 3, 3])
     wide = cell_of_pixels(4, width=10, height=4)
     np.testing.assert_array_equal(wide[0], [-1, 0, 0, 0, 0, 1, 1, 1, 1, -1])

@@ -106,12 +106,12 @@ def test_the_command_writes_a_folder_and_prints_the_figures(
     assert {path.name for path in folder.iterdir()} == {PAGE, NUMBERS, SUMMARY}
     printed = capsys.readouterr().out
     assert "another sensor" not in printed
-    for words in ("Refractory period", "DAVIS346", "3 µs", PAGE):
+    for words in ("Refractory period", "DAVIS346", "270 µs", PAGE):
         assert words in printed
     first = (folder / NUMBERS).read_bytes()
     assert execute(Characterise(out=folder, seed=4)) == 0
     assert (folder / NUMBERS).read_bytes() == first
-    assert json.loads(first)["sensor"]["refractory_us"] == 3
+    assert json.loads(first)["sensor"]["refractory_us"] == 270
 
 
 @pytest.mark.usefixtures("quick")
@@ -129,11 +129,11 @@ def test_a_modified_sensor_is_measured_and_marked(
     assert "emulated dvs128, modified" in text
     assert "refractory_us = 50, aps.noise = False" in text
     assert "The dvs128 has no APS frames" in text
-    assert "3 µs *" in text
+    assert "270 µs *" in text
     assert "; published for another sensor" in text
     printed = capsys.readouterr().out
     assert "DAVIS346" not in printed
-    assert "3 µs *" in printed
+    assert "270 µs *" in printed
     assert "* published for another sensor" in printed
     assert json_export["sections"]["refractory"]["figures"][0]["published_for_another_sensor"]
 

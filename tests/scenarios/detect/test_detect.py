@@ -66,13 +66,13 @@ def test_a_filter_stands_before_the_detector(
     recording: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     documents = []
-    for options in ({}, {"filter": "stcf"}, {"method": "stcf+fly"}):
+    for options in ({}, {"filter": "stcf"}, {"method": "stcf+robust"}):
         arguments: Any = {"json": True} | options
         assert execute(Detect(recording, **arguments)) == 0
         documents.append(json.loads(capsys.readouterr().out))
     plain, by_option, by_name = documents
     assert by_option == by_name
-    assert by_option["method"] == "stcf+fly"
+    assert by_option["method"] == "stcf+robust"
     assert by_option["steps"] != plain["steps"]
 
 
@@ -101,14 +101,14 @@ def test_with_json_standard_output_is_one_document(
 
 def _check_recording(rrd: Path, steps: list[dict[str, Any]], events: int) -> None:
     reading = RrdContents(rrd)
-    logged = reading.rows("/response/hs/fly", "Scalars:scalars")
+    logged = reading.rows("/response/hs/robust", "Scalars:scalars")
     assert [value for _, (value,) in logged] == pytest.approx([step["hs"] for step in steps])
     assert [t for t, _ in logged] == pytest.approx([step["t_us"] * 1e-6 for step in steps])
     counts = sum(len(p) for p in reading.values("/world/camera/events", "Points2D:positions"))
     assert counts == events
     entities = {chunk.entity_path for chunk in reading.chunks}
     assert not any("truth" in path or "street" in path for path in entities)
-    assert "/world/camera/methods/fly/saliency" in entities
+    assert "/world/camera/methods/robust/saliency" in entities
 
 
 def test_it_reads_the_folder_of_a_run(

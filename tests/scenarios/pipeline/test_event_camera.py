@@ -1,6 +1,7 @@
 """An event camera on a MuJoCo model that is not one of flybench's scenes."""
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -14,7 +15,9 @@ from scenarios.pipeline.event_camera import MAX_TRAVEL_PX, EventCamera, MotionWa
 from sim import SceneConfigError, open_model
 from sim.scene.assets import ASSETS
 
-SENSOR = SensorConfig.noise_free(width=87, height=65)
+SENSOR = replace(
+    SensorConfig.noise_free(width=87, height=65), theta_on=0.18, theta_off=0.22, refractory_us=3
+)
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from scenarios.sweep.random_sample import Distribution, RandomSample, parse_dist
 from sim import VehicleKind
 
 UNIFORM = parse_distribution("sensor.theta_on", {"uniform": [0.1, 0.5]})
-LOG = parse_distribution("sensor.shot_noise_scale", {"log_uniform": [0.1, 1000]})
+LOG = parse_distribution("sensor.leak_hz", {"log_uniform": [0.1, 1000]})
 WHOLE = parse_distribution("crossing.supersample", {"uniform": [2, 5]})
 LOG_WHOLE = parse_distribution("sensor.refractory_us", {"log_uniform": [1, 20]})
 CHOICE = parse_distribution("crossing.vehicle", {"choice": ["sedan", "van"]})
