@@ -53,7 +53,7 @@ def run_on_cluster(
         for future, result in _completed(distributed, client, futures, address):
             if future.status == "error":
                 raise _task_error(distributed, address, result[1])
-            if future.status != "finished":
+            if isinstance(result, BaseException):
                 raise _lost_error(address, result)
             yield number[future.key], result
             future.release()

@@ -4,18 +4,14 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
-import pytest
-
 from scenarios.dataset.plan import read_plan
 from scenarios.dataset.run import run_dataset
-from scenarios.errors import ScenarioError
 from scenarios.pipeline.cluster import run_on_cluster
 from tests.scenarios.dataset.test_run import contents
 from tests.scenarios.dataset.tiny import (
     QUICK,
     finished,
     make_quickly,
-    make_without_folder,
     quick_make,
     write_spec,
 )
@@ -42,14 +38,3 @@ def test_a_killed_worker_loses_no_sequence(tmp_path: Path) -> None:
     assert process.exitcode == 0
     make_quickly(spec, tmp_path / "reference")
     assert contents(tmp_path / "out") == contents(tmp_path / "reference")
-
-
-@pytest.mark.filterwarnings("ignore::ResourceWarning")
-def test_a_worker_that_does_not_see_the_folder_ends_the_work_with_a_sentence(
-    tmp_path: Path,
-) -> None:
-    spec = write_spec(tmp_path / "quick.toml", QUICK)
-    with running_scheduler(tmp_path) as (address, _), running_worker(tmp_path, address):
-        run = partial(run_on_cluster, address=address)
-        with pytest.raises(ScenarioError, match=r"does not see the folder .* shared file system"):
-            run_dataset(read_plan(spec), tmp_path / "out", run, make=make_without_folder)

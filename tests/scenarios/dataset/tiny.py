@@ -2,7 +2,6 @@
 
 import hashlib
 import time
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from flybench.events import EVENT_DTYPE
 from formats.writers.dsec import DsecWriter
 from scenarios.dataset.layout import EVENTS
 from scenarios.dataset.plan import SequencePlan, read_plan
-from scenarios.dataset.run import DatasetResult, Task, run_dataset, run_task
+from scenarios.dataset.run import DatasetResult, Task, run_dataset
 from scenarios.dataset.sequence import Cost, file_digests
 from scenarios.output.atomic_folder import SUMMARY, atomic_folder, write_summary
 from scenarios.pipeline.parallel import run_locally
@@ -123,8 +122,3 @@ def make_quickly(spec: Path, folder: Path) -> DatasetResult:
 def finished(folder: Path) -> int:
     """Return the number of finished sequences."""
     return len(list(folder.glob(f"*/*/{SUMMARY}")))
-
-
-def make_without_folder(task: Task) -> Cost:
-    """Run a task where its folder is missing, as on a machine without a shared file system."""
-    return run_task(replace(task, folder=task.folder / "elsewhere"))
