@@ -58,6 +58,21 @@ def mismatch_of(fields: Reals, k: int) -> Mismatch:
 
 
 @inlined
+def pixel_of(fields: Reals, k: int, draws: np.int64) -> Pixel:
+    """Return the state of the pixel at position `k` of a batch at the start of a step."""
+    leak = fields[LEAK + k]
+    return Pixel(
+        fields[LAG + k],
+        fields[CHANGE + k],
+        max(leak, 0.0),
+        fields[CLOCK + k],
+        max(-leak, 0.0),
+        draws,
+        fields[SECOND_LAG + k],
+    )
+
+
+@inlined
 def wake_time_us(
     pixel: Pixel, mismatch: Mismatch, drift: float, changed: bool, to_us: int
 ) -> np.int32:
@@ -165,16 +180,7 @@ def step_others(
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
-        leak = fields[LEAK + k]
-        pixel = Pixel(
-            fields[LAG + k],
-            fields[CHANGE + k],
-            max(leak, 0.0),
-            fields[CLOCK + k],
-            max(-leak, 0.0),
-            np.int64(own.draws),
-            fields[SECOND_LAG + k],
-        )
+        pixel = pixel_of(fields, k, np.int64(own.draws))
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         plan = plan_step(model, log_from, log_to, changed, -fields[REST + k], span_us)

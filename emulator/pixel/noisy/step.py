@@ -11,19 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.pixel.batch import (
-    CHANGE,
-    CLOCK,
-    LAG,
-    LEAK,
     LOG_FROM,
     LOG_TO,
     OUTCOME,
     REST,
-    SECOND_LAG,
     SILENT,
     Batch,
 )
-from emulator.pixel.batch_events import mismatch_of
+from emulator.pixel.batch_events import mismatch_of, pixel_of
 from emulator.pixel.noisy.advance import advance_noisy, as_stored, has_settled
 from emulator.pixel.pixel_step import PixelStep, plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel, make_segment
@@ -135,16 +130,8 @@ def step_noisy(
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
-        leak, rest_us = fields[LEAK + k], fields[REST + k]
-        pixel = Pixel(
-            fields[LAG + k],
-            fields[CHANGE + k],
-            max(leak, 0.0),
-            fields[CLOCK + k],
-            max(-leak, 0.0),
-            np.int64(own.draws & ~MOVED),
-            fields[SECOND_LAG + k],
-        )
+        rest_us = fields[REST + k]
+        pixel = pixel_of(fields, k, np.int64(own.draws & ~MOVED))
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         stored_us = sleep_us = float(step_us)
