@@ -41,6 +41,7 @@ from emulator.pixel.batch import (
     Batch,
 )
 from emulator.pixel.noisy.near_batch import LONGEST
+from emulator.pixel.noisy.passage import bounds
 from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
 from emulator.pixel.source_follower import amplitudes, separated
 from emulator.pixel.state import PixelModel
@@ -82,11 +83,10 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
         new_change = fields[CHANGE + k] + rise - (new_lag - lag) - (new_second - second_lag)
         new_leak = leak + drift * span_us
         total = lag + second_lag
-        end = total + rise
-        level, margin = fields[CHANGE + k] + leak, H_MAX * noise.sigma
-        high = level + max(max(second_lag, total), max(end, 0.0)) + margin + drift * span_us
-        low = level + min(min(second_lag, total), min(end, 0.0)) - margin
-        within = (high < fields[THETA_ON + k]) & (low > -fields[THETA_OFF + k])
+        low, high = bounds(fields[CHANGE + k] + leak, second_lag, total, total + rise)
+        margin, leaked = H_MAX * noise.sigma, drift * span_us
+        within = high + margin + leaked < fields[THETA_ON + k]
+        within &= low - margin > -fields[THETA_OFF + k]
         awake = (fields[REST + k] == 0.0) & (leak >= 0.0) & changed[k]
         bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
         short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)

@@ -123,17 +123,34 @@ def approach_hazard(noise: Noise, mismatch: Mismatch, before: float, after: floa
 
 
 @inlined
+def bounds(level: float, second_lag: float, total: float, end: float) -> tuple[float, float]:
+    """Return the least and the greatest value that d can take, without leak and noise.
+
+    The output stays between its present value, that of the photoreceptor and the input, which moves
+    to the end of a ramp.
+
+    Args:
+        level: d now.
+        second_lag: photoreceptor's output minus the follower's.
+        total: input minus the follower's output, now.
+        end: input at the end of the ramp, minus the follower's output now.
+    """
+    low = min(min(second_lag, total), min(end, 0.0))
+    high = max(max(second_lag, total), max(end, 0.0))
+    return level + low, level + high
+
+
+@inlined
 def quiet_us(pixel: Pixel, segment: Segment, mismatch: Mismatch, span_us: float) -> float:
     """Return how long noise certainly stays away from the thresholds, within `span_us` [µs].
 
-    The output is between its present value, that of the photoreceptor and the input, which moves to
-    the end of a ramp. The leak is counted on top. Beyond 7 σ there is no noise.
+    The leak is counted on top of `bounds`. Beyond 7 σ there is no noise.
     """
     total = pixel.lag + pixel.second_lag
     end = total + segment.slope * span_us
-    d, margin = pixel.change + pixel.leak, H_MAX * segment.noise.sigma
-    high = d + max(max(pixel.second_lag, total), max(end, 0.0)) + margin
-    low = d + min(min(pixel.second_lag, total), min(end, 0.0)) - margin
+    low, high = bounds(pixel.change + pixel.leak, pixel.second_lag, total, end)
+    margin = H_MAX * segment.noise.sigma
+    low, high = low - margin, high + margin
     if mismatch.hot_rate != 0.0 or low <= -mismatch.theta_off or high >= mismatch.theta_on:
         return 0.0
     return (mismatch.theta_on - high) / segment.leak_drift
