@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from flybench.files import read_small_text
-from flybench.unfinished import SUFFIX, lock_file, remove_abandoned
+from flybench.unfinished import SUFFIX, remove_abandoned
 from scenarios.dataset.plan import DatasetPlan, SequencePlan
 from scenarios.errors import OutputError
 from scenarios.output.atomic_folder import GENERATOR, SUMMARY, check_output_folder
+from scenarios.output.locked_folder import locked_folder
 
 LOCK, COPY = "flybench-dataset.lock", "dataset.toml"
 CARD, CHECKSUMS, TABLE = "README.md", "checksums.sha256", "sequences.csv"
@@ -88,20 +89,7 @@ def dataset_folder(folder: Path, plan: DatasetPlan, needed_bytes: int) -> Iterat
         OutputError: the folder fails `check_folder`, or another process uses it.
     """
     check_folder(folder, plan, needed_bytes)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = lock_file(folder / LOCK)
-    except BlockingIOError:
-        raise OutputError(
-            f"Another process is making the dataset in {folder}. Allowed is one process at a "
-            "time. Wait for it to end, or choose another folder with --out."
-        ) from None
-    except OSError as error:
-        raise OutputError(
-            f"The output folder {folder} cannot be created ({error.strerror}). Choose another "
-            "folder with --out."
-        ) from error
-    with lock:
+    with locked_folder(folder, LOCK, "making the dataset"):
         for split in plan.spec.counts:
             (folder / split).mkdir(exist_ok=True)
             remove_abandoned(folder / split)

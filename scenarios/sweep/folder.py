@@ -8,9 +8,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from flybench.files import open_regular
-from flybench.unfinished import lock_file
 from scenarios.errors import OutputError
 from scenarios.output.atomic_folder import SUMMARY, check_output_folder
+from scenarios.output.locked_folder import locked_folder
 
 LOCK, JOURNAL, COPY = "flybench-sweep.lock", "points.jsonl", "sweep.toml"
 CSV, PARQUET = "results.csv", "results.parquet"
@@ -45,20 +45,7 @@ def sweep_folder(folder: Path) -> Iterator[Path]:
         OutputError: the folder fails `check_folder`, or another process uses it.
     """
     check_folder(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = lock_file(folder / LOCK)
-    except BlockingIOError:
-        raise OutputError(
-            f"Another process is running the sweep in {folder}. Allowed is one process at a "
-            "time. Wait for it to end, or choose another folder with --out."
-        ) from None
-    except OSError as error:
-        raise OutputError(
-            f"The output folder {folder} cannot be created ({error.strerror}). Choose another "
-            "folder with --out."
-        ) from error
-    with lock:
+    with locked_folder(folder, LOCK, "running the sweep"):
         yield folder
 
 
