@@ -1,7 +1,6 @@
 """Datasets that are interrupted, resumed, changed or refused."""
 
 import json
-import random
 from functools import partial
 from pathlib import Path
 
@@ -23,7 +22,7 @@ from tests.scenarios.dataset.tiny import (
     quick_make,
     write_spec,
 )
-from tests.scenarios.sweep.quick_sweep import start
+from tests.scenarios.sweep.quick_sweep import kill_and_resume, start
 
 HERE = partial(run_locally, jobs=1)
 
@@ -46,19 +45,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 def test_a_dataset_that_is_killed_and_resumed_has_the_same_files(
     made: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    folder, moments, reached = tmp_path / "out", random.Random(5), [0]
-    for _ in range(100):
-        process = start(make_quickly, made[0], folder)
-        due = reached[-1] + moments.randrange(5)
-        while process.is_alive() and finished(folder) < due:
-            process.join(timeout=0.001)
-        process.join(timeout=moments.uniform(0.0, 0.05))
-        if process.exitcode is not None:
-            break
-        process.kill()
-        process.join()
-        reached.append(finished(folder))
-    assert process.exitcode == 0
+    folder = tmp_path / "out"
+    reached = kill_and_resume(
+        lambda: start(make_quickly, made[0], folder), lambda: finished(folder), seed=5, most=5
+    )
     assert any(0 < n < 12 for n in reached)
     assert reached == sorted(reached)
     assert contents(folder) == contents(made[1])

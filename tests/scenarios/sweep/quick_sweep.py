@@ -2,6 +2,7 @@
 
 import hashlib
 import multiprocessing
+import random
 import time
 from collections.abc import Callable
 from functools import partial
@@ -56,6 +57,36 @@ def start(target: Callable[..., object], *arguments: object) -> ForkServerProces
     process = context.Process(target=target, args=arguments)
     process.start()
     return process
+
+
+def kill_and_resume(
+    begin: Callable[[], ForkServerProcess], finished: Callable[[], int], *, seed: int, most: int
+) -> list[int]:
+    """Start a process again and again, and kill it at random moments, until it ends by itself.
+
+    Args:
+        begin: starts the process.
+        finished: returns what is finished so far.
+        seed: seed of the moments.
+        most: a process is killed before it has finished this much more.
+
+    Returns:
+        What was finished after each kill, beginning with 0.
+    """
+    moments, reached = random.Random(seed), [0]
+    for _ in range(100):
+        process = begin()
+        due = reached[-1] + moments.randrange(most)
+        while process.is_alive() and finished() < due:
+            process.join(timeout=0.001)
+        process.join(timeout=moments.uniform(0.0, 0.05))
+        if process.exitcode is not None:
+            break
+        process.kill()
+        process.join()
+        reached.append(finished())
+    assert process.exitcode == 0
+    return reached
 
 
 def finished_points(folder: Path) -> int:

@@ -1,7 +1,6 @@
 """Sweeps that are interrupted, resumed, changed or refused."""
 
 import json
-import random
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from scenarios.sweep.run import Measure, count_finished, run_sweep
 from tests.scenarios.sweep.quick_sweep import (
     fail_for_seed_1,
     finished_points,
+    kill_and_resume,
     must_not_run,
     quick_results,
     start,
@@ -69,19 +69,13 @@ def test_the_table_has_one_row_per_point_in_the_order_of_the_file(
 def test_a_sweep_that_is_killed_and_resumed_gives_the_same_tables(
     finished: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    folder, moments, reached = tmp_path / "out", random.Random(6), [0]
-    for _ in range(100):
-        process = start(sweep_in_process, finished[0], folder)
-        due = reached[-1] + moments.randrange(8)
-        while process.is_alive() and finished_points(folder) < due:
-            process.join(timeout=0.001)
-        process.join(timeout=moments.uniform(0.0, 0.05))
-        if process.exitcode is not None:
-            break
-        process.kill()
-        process.join()
-        reached.append(finished_points(folder))
-    assert process.exitcode == 0
+    folder = tmp_path / "out"
+    reached = kill_and_resume(
+        lambda: start(sweep_in_process, finished[0], folder),
+        lambda: finished_points(folder),
+        seed=6,
+        most=8,
+    )
     assert any(0 < n < 24 for n in reached)
     assert reached == sorted(reached)
     assert finished_points(folder) == 24
