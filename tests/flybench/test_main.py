@@ -11,8 +11,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 STARTED = """
-import sys
+import signal, sys
 from flybench.__main__ import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
 print("started", flush=True)
 sys.argv = ["flybench", "doctor", "--help"]
 main()
