@@ -31,7 +31,7 @@ parabola. Steps of 1/16 px changed no error on synthetic dots of 120 to 1000 px/
 _FIT_SMEAR_PX = 1 / 4
 """Step between the samples of the parabola fit, as the distance over which it smears events [px]
 (assumed)."""
-_KEPT = (8, 3, 1)
+_KEPT = (8, 3, 3)
 """Number of candidates that are followed to images with pixels of 4, 2 and 1 px (assumed)."""
 _WARM_PX = 2.0
 """Pixel side in a warm search near its start [px]. Its grid has two steps to all sides (assumed):
@@ -39,6 +39,10 @@ _WARM_PX = 2.0
 _WARM_SCAN_PX = 8.0
 """Pixel side in the scan of a warm search [px]. It is coarse and only leads to the foot of a peak;
 from there the search climbs with all events (assumed)."""
+_EQUAL_SHARE = 0.75
+"""Least reward of a peak, relative to the highest, at which the two count as equally high. Two
+equally sharp images of a drawn, tilted bar differ by up to 25 %, because the edge falls on pixels
+in different ways."""
 _MOST_CLIMBS = 20
 """Largest number of moves of a grid before the next finer grid (assumed). A peak is 1 to 3 moves
 away."""
@@ -86,7 +90,7 @@ def search_cold(
         climbed = [_climb(reward_at, v, step, scale) for v in best]
         ends = np.array([v for v, _ in climbed])
         best = _peaks(ends, np.array([r for _, r in climbed]), apart=step, number=kept)
-    return _refine(reward_at, best[0], step, window_s)
+    return _slowest(reward_at, [_refine(reward_at, v, step, window_s) for v in best])
 
 
 def search_warm(
@@ -118,8 +122,19 @@ def search_warm(
         there, _ = _climb(reward_at, there, 2 * step, _COARSEST_PX)
         there, _ = _climb(reward_at, there, step, _WARM_PX)
         best.append(_climb(reward_at, there, step / 2, 1.0))
-    highest, _ = max(best, key=lambda climbed: climbed[1])
-    return _refine(reward_at, highest, step / 2, window_s)
+    return _slowest(reward_at, [_refine(reward_at, v, step / 2, window_s) for v, _ in best])
+
+
+def _slowest(reward_at: RewardAt, peaks: Sequence[Velocity]) -> Velocity:
+    """Return the slowest of the peaks that are about as high as the highest.
+
+    A straight edge is as sharp at every velocity with the same component normal to it; the slowest
+    of these is that component.
+    """
+    rewards = reward_at(np.array(peaks), 1.0)
+    is_equal = rewards >= _EQUAL_SHARE * rewards.max()
+    equal = [peak for peak, kept in zip(peaks, is_equal, strict=True) if kept]
+    return min(equal, key=lambda velocity: math.hypot(*velocity))
 
 
 def _pair(velocity: F64) -> Velocity:
