@@ -49,15 +49,14 @@ def unshadowed_share(
     u, v = u / w - 0.5, v / w - 0.5
     column, row = int(u), int(v)
     right, down = u - column, v - row
-    lit = 0.0
-    if maps[shadow, row, column] <= near:
-        lit += (1.0 - right) * (1.0 - down)
-    if maps[shadow, row, column + 1] <= near:
-        lit += right * (1.0 - down)
-    if maps[shadow, row + 1, column] <= near:
-        lit += (1.0 - right) * down
-    if maps[shadow, row + 1, column + 1] <= near:
-        lit += right * down
+    # Interpolated in steps, so that four equal texels give exactly 0 or 1. A sum of weighted texels
+    # would give 1 minus rounding, and the point would count as the edge of a shadow.
+    a = 1.0 if maps[shadow, row, column] <= near else 0.0
+    b = 1.0 if maps[shadow, row, column + 1] <= near else 0.0
+    c = 1.0 if maps[shadow, row + 1, column] <= near else 0.0
+    d = 1.0 if maps[shadow, row + 1, column + 1] <= near else 0.0
+    above, below = a + right * (b - a), c + right * (d - c)
+    lit: float = above + down * (below - above)
     return lit
 
 

@@ -51,3 +51,18 @@ def test_there_is_no_seam_between_subpixel_and_pixel_shading() -> None:
     background = background._replace(pixels=pixels)
     image = composited(background, effects(1.0, 1.0, **half_plane_shadow(30.5, 0)))
     np.testing.assert_allclose(image[1:-1, 1:-1], pixels[0, 1:-1, 1:-1], rtol=1e-4)
+
+
+def test_a_fully_lit_background_is_that_of_the_static_image_up_to_the_border() -> None:
+    """The shadow's map covers the rectangle, but no shadow falls into it."""
+    size = 3
+    layers = np.random.default_rng(0).uniform(1, 3, (2, 40 * size, 60 * size)).astype(np.float32)
+    background = flat_background(BACKGROUND_M, layers, supersample=size)
+    pixels = np.stack([to_pixels(layer, size) for layer in layers])
+    background = background._replace(pixels=pixels)
+    shadow = half_plane_shadow(10.0, 0)
+    shadow["views"] = 1.037 * shadow["views"]  # points between texels
+    x0, y0, x1, y1 = rectangle = (20, 5, 50, 30)
+    image = composited(background, effects(1.0, 1.0, **shadow), rectangle=rectangle)
+    wanted = pixels.sum(axis=0)[y0:y1, x0:x1]
+    np.testing.assert_allclose(image[y0:y1, x0:x1], wanted, rtol=1e-6)

@@ -40,6 +40,14 @@ def test_there_is_no_shadow_outside_the_used_part_of_a_map(u: float, v: float) -
     assert share_at(u, v, -2.0, is_sun=True, caster=0.0) == 1
 
 
+def test_only_a_point_at_the_edge_of_a_shadow_gets_part_of_the_light() -> None:
+    """Rounding must not make an edge of a point that is fully lit or fully in the shadow."""
+    random = np.random.default_rng(0)
+    for u, v in zip(random.uniform(0.6, 3.4, 200), random.uniform(0.6, 4.4, 200), strict=True):
+        assert share_at(u, v, -2.0, is_sun=True, caster=-1.0) == 1
+        assert share_at(u + 4.0, v, -2.0, is_sun=True, caster=-1.0) == (u + 4.0 > 6.5)
+
+
 def lux(x: float, y: float, z: float, normal: tuple[float, float, float]) -> float:
     """Return the lux from 1000 cd at the origin along z, full within 10° and dark beyond 20°.
 
