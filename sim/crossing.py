@@ -237,6 +237,7 @@ class Crossing:
                 supersample=self.config.supersample,
                 spacing_px=self.config.keyframe_px,
                 step_px=self.config.step_px,
+                cache=self.cache,
             )
             yield reprojection.render
 

@@ -9,6 +9,7 @@ difference of two images it would contain the renderer's rounding errors.
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -62,21 +63,44 @@ class Background(NamedTuple):
     normals: F32
 
 
-def render_background(
+class BackgroundLight(NamedTuple):
+    """What the renderer contributes to the background: the luminance and albedo of its sub-pixels.
+
+    Attributes:
+        subpixels: as in `Background`.
+        subpixel_albedo: as in `Background`.
+    """
+
+    subpixels: F32
+    subpixel_albedo: F32
+
+    def to_bytes(self) -> bytes:
+        """Return both arrays in NumPy's file format."""
+        file = io.BytesIO()
+        np.save(file, self.subpixels)
+        np.save(file, self.subpixel_albedo)
+        return file.getvalue()
+
+    @staticmethod
+    def from_bytes(content: bytes) -> BackgroundLight:
+        """Return what `to_bytes` was called on."""
+        file = io.BytesIO(content)
+        return BackgroundLight(np.load(file), np.load(file))
+
+
+def render_light(
     renderer: FilamentRenderer,
     model: mujoco.MjModel,
     data: mujoco.MjData,
     pose: Pose,
-    soup: TriangleSoup,
     shadow_lights: Numbers,
     flickering: FlickeringLamps | None,
     rectangle: Rectangle,
     supersample: int,
-    blur_px: float,
     oversample: int = 1,
     *,
     with_albedo: bool = True,
-) -> Background:
+) -> BackgroundLight:
     """Render the static background, layer by layer.
 
     Args:
@@ -84,12 +108,10 @@ def render_background(
         model: model whose lights are changed temporarily.
         data: poses of the static objects.
         pose: pose of the camera.
-        soup: triangles of the static objects.
         shadow_lights: (n,) numbers of the lights that moving objects can block.
         flickering: lamps that flicker; their light becomes the last layer.
         rectangle: area that shadows and beams can reach. Outside it the lights are not separated.
         supersample: sub-pixels per pixel and axis.
-        blur_px: standard deviation of the lens's point spread [px].
         oversample: rendered samples per sub-pixel and axis, which are averaged.
         with_albedo: True if moving objects have lamps. Otherwise the albedo is not needed and
             stays 0.
@@ -106,11 +128,35 @@ def render_background(
     albedo = np.zeros(layers.shape[1:], np.float32)
     if with_albedo:
         albedo[_subpixels_of(rectangle, supersample)] = _albedo(model, lambda: render(rectangle))
+    return BackgroundLight(np.ascontiguousarray(np.moveaxis(layers, 0, -1)), albedo)
+
+
+def background_of(
+    light: BackgroundLight,
+    lens: Intrinsics,
+    data: mujoco.MjData,
+    pose: Pose,
+    soup: TriangleSoup,
+    supersample: int,
+    blur_px: float,
+) -> Background:
+    """Complete a rendered background by its pixels and its geometry.
+
+    Args:
+        light: what was rendered.
+        lens: intrinsics of the camera.
+        data: poses of the static objects.
+        pose: pose of the camera.
+        soup: triangles of the static objects.
+        supersample: sub-pixels per pixel and axis.
+        blur_px: standard deviation of the lens's point spread [px].
+    """
+    layers = (np.ascontiguousarray(layer) for layer in np.moveaxis(light.subpixels, -1, 0))
     nearness, depth, normals = _geometry(lens, data, pose, soup, supersample)
     return Background(
         pixels=np.stack([to_pixels(layer, supersample, blur_px) for layer in layers]),
-        subpixels=np.ascontiguousarray(np.moveaxis(layers, 0, -1)),
-        subpixel_albedo=albedo,
+        subpixels=light.subpixels,
+        subpixel_albedo=light.subpixel_albedo,
         subpixel_nearness=nearness,
         depth=depth,
         normals=normals,
@@ -128,7 +174,7 @@ def _render_layers(
 ) -> F32:
     """Return the layers of the background, (layers, rows, columns) sub-pixels [cd/m²].
 
-    Args as those of `render_background`; `render` renders a rectangle with the lights of `model`.
+    Args as those of `render_light`; `render` renders a rectangle with the lights of `model`.
     """
     image = (0, 0, lens.width, lens.height)
     whole = render(image)

@@ -19,6 +19,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim.cache.key import background_key
+from sim.cache.luminance_cache import LuminanceCache
 from sim.geometry.pinhole import Intrinsics, Projection
 from sim.geometry.rectangles import (
     Rectangle,
@@ -28,7 +30,13 @@ from sim.geometry.rectangles import (
     rectangle_around,
 )
 from sim.geometry.rigid_transform import body_poses, compose_transforms
-from sim.keyframes.background import Background, background_nearness, render_background
+from sim.keyframes.background import (
+    Background,
+    BackgroundLight,
+    background_nearness,
+    background_of,
+    render_light,
+)
 from sim.keyframes.compositing import composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
@@ -96,6 +104,7 @@ class Reprojection:
         supersample: int,
         spacing_px: float,
         step_px: float,
+        cache: LuminanceCache | None = None,
     ) -> None:
         """Render the static background and plan the keyframes.
 
@@ -109,6 +118,7 @@ class Reprojection:
             supersample: sub-pixels per pixel and axis.
             spacing_px: maximum displacement of an object from one keyframe to the next [px].
             step_px: maximum displacement of anything from one sample to the next [px].
+            cache: where the rendered background is kept for other sequences; None: nowhere.
         """
         self._renderer, self._model, self._scene = renderer, model, scene
         self._wide, self._lens, self._seconds = renderer.intrinsics, lens, seconds
@@ -140,7 +150,7 @@ class Reprojection:
             spacing_px=spacing_px * self._scale,
             stride=max(int(PLAN_STEP_PX / step_px), 1),
         )
-        self._background = self._render_background(affected)
+        self._background = self._make_background(affected, cache)
         self._keyframes = KeyframeStore(
             plan,
             scene.objects,
@@ -241,24 +251,60 @@ class Reprojection:
             self._supersample,
         )
 
-    def _render_background(self, affected: list[Rectangle]) -> Background:
+    def _make_background(
+        self, affected: list[Rectangle], cache: LuminanceCache | None
+    ) -> Background:
+        """Return the scene without its moving objects, from the cache if it has it."""
+        spare, span = math.ceil(2 * PLAN_STEP_PX), np.array(enclosing_rectangle(affected))
+        rectangle = rectangle_around(span[:2] - spare, span[2:] + spare, self._wide)
+        rectangle = rectangle or (0, 0, 1, 1)
+
+        def rendered() -> bytes:
+            return self._render_light(rectangle).to_bytes()
+
+        if cache is None:
+            light = self._render_light(rectangle)
+        else:
+            key = background_key(
+                self._scene.config,
+                self._wide,
+                self._pose,
+                rectangle=rectangle,
+                supersample=self._supersample,
+                oversample=self._oversample,
+                with_albedo=bool(self._areas.beams.size),
+            )
+            light = BackgroundLight.from_bytes(cache.get_or_make(key, rendered))
+        return background_of(
+            light,
+            self._wide,
+            self._data,
+            self._pose,
+            self._static,
+            self._supersample,
+            self._blur_px,
+        )
+
+    @property
+    def _oversample(self) -> int:
+        return SHAKE_OVERSAMPLE if self._scene.shake else 1
+
+    def _render_light(self, rectangle: Rectangle) -> BackgroundLight:
         """Render the scene without its moving objects."""
         geoms = [int(g) for o in self._scene.objects for g in o.geoms]
         off = {int(k): 0.0 for k in self._areas.beams}
-        spare, span = math.ceil(2 * PLAN_STEP_PX), np.array(enclosing_rectangle(affected))
-        rectangle = rectangle_around(span[:2] - spare, span[2:] + spare, self._wide)
-        with changed_lights(self._model, off), self._renderer.hidden(geoms):
-            return render_background(
+        bodies = np.concatenate([o.bodies for o in self._scene.objects])
+        sites = np.flatnonzero(np.isin(self._model.site_bodyid, bodies))  # they mark the lamps
+        with changed_lights(self._model, off), self._renderer.hidden(geoms, sites):
+            return render_light(
                 self._renderer,
                 self._model,
                 self._data,
                 self._pose,
-                self._static,
                 self._areas.shadow_lights,
                 self._flickering,
-                rectangle or (0, 0, 1, 1),
+                rectangle,
                 self._supersample,
-                self._blur_px,
-                oversample=SHAKE_OVERSAMPLE if self._scene.shake else 1,
+                self._oversample,
                 with_albedo=bool(self._areas.beams.size),
             )

@@ -163,9 +163,11 @@ class FilamentRenderer:
         return np.asarray(exposed / np.float32(EXPOSURE), np.float32)
 
     @contextmanager
-    def hidden(self, geoms: Iterable[int]) -> Iterator[None]:
-        """Leave geoms and their shadows out of every image rendered inside the with block."""
-        renderables = [self._renderable(geom) for geom in geoms]
+    def hidden(self, geoms: Iterable[int], sites: Iterable[int] = ()) -> Iterator[None]:
+        """Leave geoms, sites and their shadows out of every image rendered in the with block."""
+        kind = mujoco.mjtObj
+        renderables = [self._renderable(kind.mjOBJ_GEOM, geom) for geom in geoms]
+        renderables += [self._renderable(kind.mjOBJ_SITE, site) for site in sites]
         for renderable in renderables:
             self._scene.remove_renderable(renderable)
         try:
@@ -174,8 +176,8 @@ class FilamentRenderer:
             for renderable in renderables:
                 self._scene.add_renderable(renderable)
 
-    def _renderable(self, geom: int) -> Any:
-        return self._renderables.get_renderable(mujoco.mjtObj.mjOBJ_GEOM, geom, -1)
+    def _renderable(self, kind: mujoco.mjtObj, number: int) -> Any:
+        return self._renderables.get_renderable(kind, int(number), -1)
 
     def segmentation(self, pose: Pose, rectangle: Rectangle) -> npt.NDArray[np.int32]:
         """Render the number of the geom that the middle of each pixel shows.

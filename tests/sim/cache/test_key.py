@@ -3,9 +3,10 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from sim import Crossing, CrossingConfig, Distractors, Intrinsics, Lighting
+from sim import Crossing, CrossingConfig, Distractors, Intrinsics, Lighting, Pose
 from sim.cache import key as luminance_key
 from sim.render.vulkan import VulkanDevice
 
@@ -82,3 +83,55 @@ def test_libraries_devices_and_sources_change_the_key(
     monkeypatch.setattr(luminance_key, "sources_digest", lambda *_: "0")
     keys.add(key(model))
     assert len(keys) == 5
+
+
+def background(**changed: Any) -> str:
+    """Return the key of the background of a changed configuration at the same pose and lens."""
+    config, lens = replace(CONFIG, **changed), Intrinsics()
+    return luminance_key.background_key(config, lens, Pose(np.zeros(3)), supersample=3)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"omega_rad_s": 1.2, "paint_reflectance": 0.1, "vehicle": "van", "step_px": 1.0},
+        {"distractors": Distractors(pedestrian="same", far_vehicle="same", shake_rms_deg=0.1)},
+    ],
+)
+def test_moving_objects_share_a_background(changed: dict[str, Any]) -> None:
+    assert background(**changed) == background()
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"lighting": Lighting.DUSK, "illuminance_lux": 30_000.0},
+        {"illuminance_lux": 29_000.0},
+        {"sun_elevation_deg": 50.0},
+        {"street_seed": 1},
+        {"distractors": Distractors(wind_grade=1)},
+        {"distractors": Distractors(flicker_hz=100)},
+    ],
+)
+def test_another_street_or_light_has_another_background(changed: dict[str, Any]) -> None:
+    assert background(**changed) != background()
+
+
+def test_every_parameter_either_changes_the_background_or_belongs_to_moving_objects() -> None:
+    """A new parameter counts, unless it is listed."""
+    known = set(CONFIG.resolved()) | set(CONFIG.resolved()["distractors"])
+    assert known >= luminance_key._OF_MOVERS
+
+
+def test_camera_and_rendering_change_the_key_of_the_background() -> None:
+    def of(lens: Intrinsics, x_m: float, **options: int) -> str:
+        pose = Pose(np.array([x_m, 0.0, 0.0]))
+        return luminance_key.background_key(CONFIG, lens, pose, **options)
+
+    keys = {
+        of(Intrinsics(), 0.0, supersample=3),
+        of(Intrinsics(width=345), 0.0, supersample=3),
+        of(Intrinsics(), 1.0, supersample=3),
+        of(Intrinsics(), 0.0, supersample=2),
+    }
+    assert len(keys) == 4

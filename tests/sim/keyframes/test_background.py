@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.keyframes.background import Background, render_background
+from sim.keyframes.background import Background, BackgroundLight, background_of, render_light
 from sim.raster.aperture import to_pixels
 from sim.raster.triangles import triangle_soup
 from sim.render.filament import FilamentRenderer
@@ -64,19 +64,19 @@ class World:
     def background(
         self, flickering: FlickeringLamps | None, rectangle: tuple[int, int, int, int] = WHOLE
     ) -> Background:
-        soup, blur_px = triangle_soup(self.model), 0.35
-        return render_background(
+        light = render_light(
             self.renderer,
             self.model,
             self.data,
             POSE,
-            soup,
             SHADOW_LIGHTS,
             flickering,
             rectangle,
             SUPERSAMPLE,
-            blur_px,
         )
+        light = BackgroundLight.from_bytes(light.to_bytes())
+        soup, blur_px = triangle_soup(self.model), 0.35
+        return background_of(light, LENS, self.data, POSE, soup, SUPERSAMPLE, blur_px)
 
     def image(self) -> F32:
         self.renderer.update(self.data)

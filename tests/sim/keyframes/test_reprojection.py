@@ -3,13 +3,24 @@
 `tests/scenarios/commands/test_converge.py` compares them with full renderings, by their events.
 """
 
+from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 
-from sim import Crossing, CrossingConfig, Distractors, Lighting, RelativeDirection
+from sim import (
+    Crossing,
+    CrossingConfig,
+    Distractors,
+    Lighting,
+    LuminanceCache,
+    RelativeDirection,
+)
 from sim.errors import SceneConfigError
+from sim.keyframes import reprojection
+from sim.keyframes.background import BackgroundLight, background_of
 
 
 def coarse_crossing(options: dict[str, Any]) -> Crossing:
@@ -33,6 +44,55 @@ def test_equal_sequences_have_equal_bits() -> None:
     second = [s.luminance for s in repeated]
     for one, other in zip(first, second, strict=True):
         assert np.array_equal(one, other)
+
+
+def test_sequences_of_a_street_share_the_rendered_background(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With another paint and speed, the background comes from the cache: the same bits."""
+    rendered: list[int] = []
+    original = reprojection.render_light
+
+    def counted(*args: Any, **options: Any) -> Any:
+        rendered.append(1)
+        return original(*args, **options)
+
+    monkeypatch.setattr(reprojection, "render_light", counted)
+    night, other = {"lighting": Lighting.NIGHT}, {"omega_rad_s": 3.0, "paint_reflectance": 0.1}
+    images = []
+    for cached in (False, True):
+        for options in ({}, other):
+            cache = LuminanceCache(tmp_path) if cached else None
+            crossing = Crossing(coarse_crossing(night | options).config, cache=cache)
+            middle_us = crossing.duration_us // 2
+            images.append([s.luminance for s in crossing.samples([middle_us])])
+    assert len(rendered) == 3
+    np.testing.assert_array_equal(images[0], images[2])
+    np.testing.assert_array_equal(images[1], images[3])
+
+
+@pytest.mark.parametrize("vehicle", ["van", "motorcycle"])
+def test_the_background_does_not_depend_on_the_moving_objects(vehicle: str) -> None:
+    def background(options: dict[str, Any]) -> bytes:
+        crossing = coarse_crossing({"lighting": Lighting.NIGHT, "supersample": 1} | options)
+        made: list[BackgroundLight] = []
+
+        def keep(light: BackgroundLight, *args: Any) -> Any:
+            made.append(light)
+            return background_of(light, *args)
+
+        middle_us = [crossing.duration_us // 2]
+        with (
+            patch.object(reprojection, "background_of", keep),
+            crossing.keyframe_renderer(middle_us),
+        ):
+            return made[0].to_bytes()
+
+    everything = [(0, 0, 346, 260)]
+    with patch.object(reprojection, "plan_keyframes", lambda *_, **__: ({}, everything)):
+        others = Distractors(pedestrian="same", far_vehicle="same")
+        changed = background({"vehicle": vehicle, "distractors": others})
+        assert changed == background({})
 
 
 @pytest.mark.parametrize("times_us", [[], [5, 5], [7, 3], [-1, 4]])
