@@ -205,7 +205,7 @@ class Crossing:
             for t_us in times_us[start:]:
                 rendered = render(t_us)
                 changed = enclosing_rectangle(previous + rendered.rectangles)
-                yield LuminanceSample(t_us, rendered.luminance, rendered.visible.body, changed)
+                yield LuminanceSample(t_us, rendered.luminance, rendered.body, changed)
                 previous = rendered.rectangles
 
     @contextmanager

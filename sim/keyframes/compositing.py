@@ -6,6 +6,8 @@ mean of its sub-pixels; see `sim.keyframes.pixel_labels`.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,162 +15,189 @@ from flybench.kernels import compiled
 from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
-from sim.keyframes.pixel_centre_shading import shade_pixel_centres
-from sim.keyframes.pixel_labels import mark_edges, pixel_labels
-from sim.keyframes.subpixel_shading import shade_subpixels
+from sim.keyframes.background_light import light_pixel_centres, light_subpixels
+from sim.keyframes.canvas import Canvas
+from sim.keyframes.pixel_labels import dilate, label_pixels, mark_edges
 from sim.keyframes.surface_lookup import Surfaces, surface_luminance
+from sim.raster.aperture import aperture_weights
 from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
-I32 = npt.NDArray[np.int32]
-Bools = npt.NDArray[np.bool_]
+I64 = npt.NDArray[np.int64]
+
+
+class Aperture(NamedTuple):
+    """Sub-pixels in the aperture of a pixel: S × S of its own, and as many of each neighbour.
+
+    Attributes:
+        weights: (3 S,) float32 weights along an axis.
+        order: (9 S², 2) int64 rows and columns of the sub-pixels, the nearest to the pixel's centre
+            first.
+    """
+
+    weights: F32
+    order: I64
+
+
+def aperture(supersample: int, blur_px: float) -> Aperture:
+    """Return the aperture of a pixel.
+
+    Args:
+        supersample: sub-pixels per pixel and axis, S.
+        blur_px: standard deviation of the lens's point spread [px].
+    """
+    count = 3 * supersample
+    rows, columns = np.divmod(np.arange(count * count), count)
+    off = (2 * rows + 1 - count) ** 2 + (2 * columns + 1 - count) ** 2
+    nearest = np.argsort(off, kind="stable")
+    order = np.stack([rows[nearest], columns[nearest]], axis=1)
+    return Aperture(aperture_weights(supersample, blur_px), order)
 
 
 @compiled
 def composite(
-    image: F32,
+    canvas: Canvas,
     background: Background,
     effects: ShadowsAndBeams,
     surfaces: Surfaces,
     projection: Projection,
-    label: I32,
-    nearness: F32,
-    weights: F32,
+    seen: Aperture,
     rectangle: Rectangle,
 ) -> None:
-    """Composite a rectangle of the image, in place.
+    """Composite a rectangle of the image.
 
     Args:
-        image: (height, width) float32 [cd/m²].
+        canvas: the canvas, with the moving parts in `label` and `nearness`, and the background as
+            without moving objects in `image`. Everything else is overwritten.
         background: the static background.
         effects: shadows and beams at this time.
         surfaces: surfaces of the moving parts.
         projection: projection of the camera.
-        label: (rows, columns) int32, moving part at each sub-pixel of the rectangle; -1 for the
-            background.
-        nearness: (rows, columns) float32 nearness of the moving part at each sub-pixel [1/m].
-        weights: (3 S,) weights of the pixel's aperture along an axis.
+        seen: aperture of a pixel.
         rectangle: x0, y0, x1, y1 [px].
     """
-    supersample = len(weights) // 3
-    pixel_label = pixel_labels(label, supersample)
-    lit, lux = shade_pixel_centres(background, effects, projection, rectangle, pixel_label)
-    marked = mark_edges(pixel_label, lux)
-    subpixels = shade_subpixels(
-        background, effects, projection, rectangle, supersample, label, lit, lux, marked
-    )
-    _fill_uniform_pixels(
-        image,
-        background,
-        effects.gains,
-        surfaces,
-        projection,
-        rectangle,
-        supersample,
-        pixel_label,
-        lit,
-        nearness,
-        marked,
-    )
-    _blend_edge_pixels(
-        image, surfaces, projection, rectangle, weights, label, nearness, subpixels, marked
-    )
+    supersample = len(seen.weights) // 3
+    label_pixels(canvas.label, supersample, rectangle, canvas.pixel_label)
+    light_pixel_centres(canvas, background, effects, projection, rectangle)
+    mark_edges(canvas.pixel_label, canvas.beams, rectangle, canvas.marked, canvas.scratch)
+    dilate(canvas.marked, rectangle, canvas.scratch)
+    light_subpixels(canvas, background, effects, projection, rectangle, supersample)
+    _fill_uniform_pixels(canvas, background, effects.gains, surfaces, rectangle, supersample)
+    _blend_edge_pixels(canvas, surfaces, seen, rectangle)
 
 
 @compiled
 def _fill_uniform_pixels(
-    image: F32,
+    canvas: Canvas,
     background: Background,
     gains: F64,
     surfaces: Surfaces,
-    projection: Projection,
     rectangle: Rectangle,
     supersample: int,
-    pixel_label: I32,
-    lit: F32,
-    nearness: F32,
-    marked: Bools,
 ) -> None:
-    """Fill the pixels that are not marked: each shows only one thing."""
+    """Fill the pixels that are not marked: each shows only one thing.
+
+    The background in full light is in the image already.
+    """
     layers = background.pixels
-    x0, y0, _, _ = rectangle
+    x0, y0, x1, y1 = rectangle
     centre = supersample // 2
-    off = (centre + 0.5) / supersample - 0.5
-    for row in range(pixel_label.shape[0]):
-        for column in range(pixel_label.shape[1]):
-            if marked[row, column]:
+    shift = centre + 0.5 - supersample / 2
+    off = shift / supersample
+    for row in range(y0, y1):
+        for column in range(x0, x1):
+            i, j = np.uintp(row), np.uintp(column)
+            part = canvas.pixel_label[i, j]
+            if canvas.marked[i, j] or part == -1:
                 continue
-            v, u, part = y0 + row, x0 + column, pixel_label[row, column]
             if part < 0:
-                value = gains[0] * layers[0, v, u]
-                for k in range(len(lit)):
-                    value += gains[1 + k] * lit[k, row, column] * layers[1 + k, v, u]
+                value = gains[0] * layers[0, i, j]
+                for k in range(len(canvas.lit)):
+                    value += gains[1 + k] * canvas.lit[k, i, j] * layers[1 + k, i, j]
             else:
-                depth = 1.0 / nearness[row * supersample + centre, column * supersample + centre]
-                value = surface_luminance(
-                    surfaces, projection, part, u + 0.5 + off, v + 0.5 + off, depth, off, off
-                )
-            image[v, u] = value
+                nearness = canvas.nearness[
+                    np.uintp(row * supersample + centre), np.uintp(column * supersample + centre)
+                ]
+                u, v = column + 0.5 + off, row + 0.5 + off
+                value = surface_luminance(surfaces, part, u, v, nearness, shift, shift)
+            canvas.image[i, j] = value
 
 
 @compiled
 def _blend_edge_pixels(
-    image: F32,
-    surfaces: Surfaces,
-    projection: Projection,
-    rectangle: Rectangle,
-    weights: F32,
-    label: I32,
-    nearness: F32,
-    subpixels: F32,
-    marked: Bools,
+    canvas: Canvas, surfaces: Surfaces, seen: Aperture, rectangle: Rectangle
 ) -> None:
     """Blend the marked pixels from their sub-pixels, weighted with the aperture.
 
     The luminance of a part is looked up once for a pixel, at the part's sub-pixel nearest to the
     pixel centre.
     """
-    x0, y0, _, _ = rectangle
+    x0, y0, x1, y1 = rectangle
+    label, background, weights = canvas.label, canvas.background, seen.weights
     size = len(weights) // 3
-    count = len(surfaces.means)
-    coverage, nearest = np.zeros(count), np.full(count, np.inf)
-    position = np.empty((count, 2), np.int64)
-    parts = np.empty(count, np.int64)
-    for row in range(marked.shape[0]):
-        for column in range(marked.shape[1]):
-            if not marked[row, column]:
+    parts, coverage = np.empty(9 * size * size, np.int64), np.empty(9 * size * size)
+    for row in range(y0, y1):
+        top, bottom = max((row - 1) * size, y0 * size), min((row + 2) * size, y1 * size)
+        for column in range(x0, x1):
+            if not canvas.marked[np.uintp(row), np.uintp(column)]:
                 continue
-            value = total = 0.0
-            found = 0
-            for i in range(max((row - 1) * size, 0), min((row + 2) * size, label.shape[0])):
-                down = i + 0.5 - (row + 0.5) * size
-                for j in range(
-                    max((column - 1) * size, 0), min((column + 2) * size, label.shape[1])
-                ):
-                    weight = weights[i - (row - 1) * size] * weights[j - (column - 1) * size]
+            left, right = max((column - 1) * size, x0 * size), min((column + 2) * size, x1 * size)
+            value = total = share = 0.0
+            found, last = 0, -1
+            for i in range(top, bottom):
+                down = weights[np.uintp(i - (row - 1) * size)]
+                for j in range(left, right):
+                    weight = down * weights[np.uintp(j - (column - 1) * size)]
                     total += weight
-                    part = label[i, j]
+                    part = label[np.uintp(i), np.uintp(j)]
+                    if part != last:
+                        found = _add_coverage(parts, coverage, found, last, share)
+                        last, share = part, 0.0
+                    share += weight
                     if part < 0:
-                        value += weight * subpixels[i, j]
-                        continue
-                    if coverage[part] == 0.0:
-                        parts[found] = part
-                        found += 1
-                    coverage[part] += weight
-                    right = j + 0.5 - (column + 0.5) * size
-                    off = right * right + down * down
-                    if off < nearest[part]:
-                        nearest[part] = off
-                        position[part, 0], position[part, 1] = i, j
+                        value += weight * background[np.uintp(i), np.uintp(j)]
+            found = _add_coverage(parts, coverage, found, last, share)
             for k in range(found):
-                part = parts[k]
-                i, j = position[part]
-                u, v = x0 + (j + 0.5) / size, y0 + (i + 0.5) / size
-                off_u, off_v = u - (x0 + column + 0.5), v - (y0 + row + 0.5)
-                luminance = surface_luminance(
-                    surfaces, projection, part, u, v, 1.0 / nearness[i, j], off_u, off_v
+                value += coverage[k] * _part_luminance(
+                    canvas, surfaces, seen, parts[k], row, column, rectangle
                 )
-                value += coverage[part] * luminance
-                coverage[part], nearest[part] = 0.0, np.inf
-            image[y0 + row, x0 + column] = value / total
+            canvas.image[np.uintp(row), np.uintp(column)] = value / total
+
+
+@compiled
+def _add_coverage(parts: I64, coverage: F64, found: int, part: int, share: float) -> int:
+    """Add to the coverage of a part, and return how many parts have been found."""
+    if part < 0:
+        return found
+    for k in range(found):
+        if parts[k] == part:
+            coverage[k] += share
+            return found
+    parts[found], coverage[found] = part, share
+    return found + 1
+
+
+@compiled
+def _part_luminance(
+    canvas: Canvas,
+    surfaces: Surfaces,
+    seen: Aperture,
+    part: int,
+    row: int,
+    column: int,
+    rectangle: Rectangle,
+) -> float:
+    """Return the luminance of a part at its sub-pixel nearest to a pixel's centre."""
+    x0, y0, x1, y1 = rectangle
+    size = len(seen.weights) // 3
+    for k in range(len(seen.order)):
+        i, j = (row - 1) * size + seen.order[k, 0], (column - 1) * size + seen.order[k, 1]
+        inside = y0 * size <= i < y1 * size and x0 * size <= j < x1 * size
+        if inside and canvas.label[np.uintp(i), np.uintp(j)] == part:
+            nearness = canvas.nearness[np.uintp(i), np.uintp(j)]
+            right, down = j + 0.5 - (column + 0.5) * size, i + 0.5 - (row + 0.5) * size
+            return surface_luminance(
+                surfaces, part, (j + 0.5) / size, (i + 0.5) / size, nearness, right, down
+            )
+    return 0.0

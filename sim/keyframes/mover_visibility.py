@@ -18,7 +18,13 @@ import numpy.typing as npt
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, rectangle_around
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NO_LABEL, label_bounds, project_triangles, rasterise
+from sim.raster.scan_conversion import NO_LABEL, label_bounds, rasterise
+from sim.raster.shared_corners import (
+    SharedCorners,
+    move_corners,
+    project_faces,
+    share_corners,
+)
 from sim.raster.triangles import TriangleSoup
 from sim.scene.lighting import OFF_EMISSION
 from sim.scene.moving_objects import MovingObject
@@ -42,10 +48,6 @@ class MoverParts:
 
     def __len__(self) -> int:
         return len(self.body)
-
-    def to_bodies(self, label: I32) -> I32:
-        """Replace part numbers in an image by body numbers; `NO_LABEL` stays."""
-        return np.append(self.body, np.int32(NO_LABEL))[label]
 
 
 def split_into_parts(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> MoverParts:
@@ -100,11 +102,18 @@ class MoverRaster:
         Returns:
             (n, 3, 3) triangles on the sub-pixel grid; and (n,) the part of each.
         """
-        in_camera = self.movers.transformed(compose_transforms(poses, self.pose.world_to_camera))
-        size = self.supersample
+        shared, size = self._shared, self.supersample
+        views = compose_transforms(poses, self.pose.world_to_camera)
+        in_camera = move_corners(shared.corners_m, shared.body, views)
         centre = self.lens.width * size / 2, self.lens.height * size / 2
-        projected, source = project_triangles(in_camera, self.lens.focal_px * size, *centre, NEAR_M)
+        projected, source = project_faces(
+            in_camera, shared.faces, self.lens.focal_px * size, *centre, NEAR_M
+        )
         return projected, self._part_of_triangle[source]
+
+    @cached_property
+    def _shared(self) -> SharedCorners:
+        return share_corners(self.movers)
 
     @cached_property
     def _part_of_triangle(self) -> I32:

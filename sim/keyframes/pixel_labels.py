@@ -3,6 +3,9 @@
 A pixel holds S × S sub-pixels at which geometry is known exactly. If a pixel and its neighbours
 show only one thing, the luminance of that thing is already known for a whole pixel. Only near edges
 are sub-pixels weighted one by one.
+
+Kernels write only a rectangle of the image's buffers. Indices are converted to unsigned integers,
+because numba then leaves out its test for negative indices.
 """
 
 from __future__ import annotations
@@ -11,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
+from sim.geometry.rectangles import Rectangle
 
-F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
+I64 = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 EDGE = -(1 << 30)
@@ -21,75 +25,78 @@ EDGE = -(1 << 30)
 
 
 @compiled
-def pixel_labels(label: I32, supersample: int) -> I32:
-    """Return the label of each pixel from those of its sub-pixels.
+def label_pixels(label: I32, supersample: int, rectangle: Rectangle, pixel_label: I32) -> None:
+    """Set the label of each pixel of a rectangle from those of its sub-pixels.
 
     Args:
-        label: (rows, columns) int32, label of each sub-pixel: body, or -1 for the background.
+        label: (rows, columns) int32, label of each sub-pixel: a part, or -1 for the background.
         supersample: sub-pixels per pixel and axis.
-
-    Returns:
-        (height, width) int32: the label that all sub-pixels share, else `EDGE`.
+        rectangle: x0, y0, x1, y1 [px].
+        pixel_label: (height, width) int32; set to the label that all sub-pixels of a pixel share,
+            else to `EDGE`.
     """
-    height, width = label.shape[0] // supersample, label.shape[1] // supersample
-    pixel_label = np.empty((height, width), np.int32)
-    for row in range(height):
-        for column in range(width):
-            first = label[row * supersample, column * supersample]
+    x0, y0, x1, y1 = rectangle
+    for row in range(y0, y1):
+        for column in range(x0, x1):
+            first = label[np.uintp(row * supersample), np.uintp(column * supersample)]
+            alike = True
             for i in range(row * supersample, (row + 1) * supersample):
                 for j in range(column * supersample, (column + 1) * supersample):
-                    if label[i, j] != first:
-                        first = EDGE
-            pixel_label[row, column] = first
-    return pixel_label
+                    alike &= label[np.uintp(i), np.uintp(j)] == first
+            pixel_label[np.uintp(row), np.uintp(column)] = first if alike else EDGE
 
 
 @compiled
-def mark_edges(pixel_label: I32, lux: F32) -> Bools:
-    """Mark the pixels whose sub-pixels must be weighted one by one.
+def mark_edges(
+    pixel_label: I32, beams: I64, rectangle: Rectangle, marked: Bools, scratch: Bools
+) -> None:
+    """Mark the pixels of a rectangle whose sub-pixels must be weighted one by one.
 
     These are the pixels that, together with their neighbours, show more than one thing or lie in a
     beam.
 
     Args:
         pixel_label: (height, width) labels of the pixels.
-        lux: (height, width) illuminance from beams [lux].
+        beams: (height, width) beams that light each pixel; 0 for none.
+        rectangle: x0, y0, x1, y1 [px].
+        marked: (height, width) bool, set.
+        scratch: (height, width) bool, overwritten.
     """
-    height, width = pixel_label.shape
-    mixed = np.empty(pixel_label.shape, np.bool_)  # of a pixel and its left and right neighbours
-    for row in range(height):
-        for column in range(width):
-            left, right = max(column - 1, 0), min(column + 1, width - 1)
-            own, beams = (
-                pixel_label[row, column],
-                lux[row, column] + lux[row, left] + lux[row, right],
-            )
-            alike = pixel_label[row, left] == own and pixel_label[row, right] == own and own != EDGE
-            mixed[row, column] = not alike or beams > 0.0
-    marked = np.empty(pixel_label.shape, np.bool_)
-    for row in range(height):
-        above, below = max(row - 1, 0), min(row + 1, height - 1)
-        for column in range(width):
+    x0, y0, x1, y1 = rectangle
+    for row in range(y0, y1):  # first: a pixel with its left and right neighbours
+        for column in range(x0, x1):
+            at, left, right = column, max(column - 1, x0), min(column + 1, x1 - 1)
+            own = pixel_label[row, at]
+            alike = (pixel_label[row, left] == own) & (pixel_label[row, right] == own)
+            lit = beams[row, left] | beams[row, at] | beams[row, right]
+            scratch[row, at] = (not alike) | (own == EDGE) | (lit != 0)
+    for row in range(y0, y1):
+        above, below = max(row - 1, y0), min(row + 1, y1 - 1)
+        for column in range(x0, x1):
             own = pixel_label[row, column]
             marked[row, column] = (
-                mixed[row, column]
-                or mixed[above, column]
-                or mixed[below, column]
-                or pixel_label[above, column] != own
-                or pixel_label[below, column] != own
+                scratch[row, column]
+                | scratch[above, column]
+                | scratch[below, column]
+                | (pixel_label[above, column] != own)
+                | (pixel_label[below, column] != own)
             )
-    return marked
 
 
 @compiled
-def dilate(marked: Bools) -> Bools:
-    """Mark also the eight neighbours of each marked pixel."""
-    height, width = marked.shape
-    dilated = np.zeros(marked.shape, np.bool_)
-    for row in range(height):
-        for column in range(width):
-            if marked[row, column]:
-                for i in range(max(row - 1, 0), min(row + 2, height)):
-                    for j in range(max(column - 1, 0), min(column + 2, width)):
-                        dilated[i, j] = True
-    return dilated
+def dilate(marked: Bools, rectangle: Rectangle, dilated: Bools) -> None:
+    """Mark also the eight neighbours of each marked pixel, within a rectangle.
+
+    Args:
+        marked: (height, width) bool.
+        rectangle: x0, y0, x1, y1 [px].
+        dilated: (height, width) bool, set.
+    """
+    x0, y0, x1, y1 = rectangle
+    dilated[y0:y1, x0:x1] = False
+    for row in range(y0, y1):
+        for column in range(x0, x1):
+            if marked[np.uintp(row), np.uintp(column)]:
+                for i in range(max(row - 1, y0), min(row + 2, y1)):
+                    for j in range(max(column - 1, x0), min(column + 2, x1)):
+                        dilated[np.uintp(i), np.uintp(j)] = True

@@ -37,7 +37,8 @@ from sim.keyframes.background import (
     background_of,
     render_light,
 )
-from sim.keyframes.compositing import composite
+from sim.keyframes.canvas import blank_canvas, show_bodies, wipe
+from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.rendering import KeyframeRenderer
@@ -46,11 +47,11 @@ from sim.keyframes.steady_lens import SHAKE_SCALE
 from sim.keyframes.store import KeyframeStore
 from sim.raster.aperture import (
     LENS_BLUR_PX,
-    aperture_weights,
     blur_before_interpolation_px,
 )
+from sim.raster.scan_conversion import rasterise
 from sim.raster.triangles import triangle_soup
-from sim.raster.visibility import VisibilityMap, overlay_movers, visibility_map
+from sim.raster.visibility import visibility_map
 from sim.render.filament import FilamentRenderer, Luminance
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights
 from sim.scene.scene import Scene
@@ -79,13 +80,14 @@ class RenderedSample:
 
     Attributes:
         luminance: (height, width) float32 [cd/m²].
-        visible: body and nearness at every pixel centre.
+        body: (height, width) int32 rigid body at every pixel centre; see
+            `sim.raster.visibility.VisibilityMap`.
         rectangles: areas that may differ from the static background; the whole image if the camera
             shakes.
     """
 
     luminance: Luminance
-    visible: VisibilityMap
+    body: I32
     rectangles: list[Rectangle]
 
 
@@ -139,7 +141,9 @@ class Reprojection:
             if scene.flicker
             else None
         )
-        self._weights = aperture_weights(self._supersample, self._blur_px)
+        self._aperture = aperture(self._supersample, self._blur_px)
+        centre = self._wide.width / 2, self._wide.height / 2
+        self._projection = Projection(self._wide.focal_px, *centre)
         plan, affected = plan_keyframes(
             scene,
             self._wide,
@@ -159,9 +163,11 @@ class Reprojection:
             per_pixel=self._supersample,
         )
         self._static_image = self._background.pixels.sum(axis=0)
-        self._static_visible = visibility_map(
+        self._static_body = visibility_map(
             self._static, body_poses(self._data), self._pose, self._wide
-        )
+        ).body
+        self._canvas = blank_canvas(self._background)
+        self._drawn: list[Rectangle] = []
 
     def render(self, t_us: int) -> RenderedSample:
         """Render the sample at a time [µs]; times must not decrease."""
@@ -174,55 +180,53 @@ class Reprojection:
         pose = self._scene.pose_at(self._seconds(t_us))
         luminance = rotated_image(sample.luminance, self._pose, self._wide, pose, self._lens)
         visible = visibility_map(self._static, poses, pose, self._lens)
-        visible = visibility_map(self._movers, poses, pose, self._lens, visible)
-        return RenderedSample(luminance, visible, [image_rectangle(self._lens)])
+        body = visibility_map(self._movers, poses, pose, self._lens, visible).body
+        return RenderedSample(luminance, body, [image_rectangle(self._lens)])
 
     def _steady_sample(self, t_us: int, poses: F64) -> RenderedSample:
         """Return what the steady camera sees."""
+        canvas, body = self._canvas, self._static_body.copy()
         flicker = self._scene.flicker_factor(self._seconds(t_us))
         gains = self._gains(flicker)
-        projected, part = self._raster.project(poses)
+        if self._flickering is None:
+            canvas.image[:] = self._static_image
+        else:
+            canvas.image[:] = np.tensordot(
+                gains.astype(np.float32), self._background.pixels, axes=1
+            )
         affected = self._areas.find(self._data)
-        objects = self._raster.rectangles(projected, part, self._scene.objects)
-        rectangles = merge_overlapping([r for r in objects if r] + affected.rectangles)
-        luminance, visible = self._static_image.copy(), self._static_visible
-        if self._flickering is not None:
-            luminance = np.tensordot(gains.astype(np.float32), self._background.pixels, axes=1)
+        self._draw_outlines(poses, body)
+        rectangles = merge_overlapping(self._drawn + affected.rectangles)
         if rectangles:
-            visible = VisibilityMap(visible.body.copy(), visible.nearness.copy())
             effects = self._effects.render(self._data, poses, affected, gains)
             views = compose_transforms(poses, self._pose.world_to_camera)
-            surfaces = self._keyframes.surfaces(t_us, views, flicker)
-            projection = Projection(
-                self._wide.focal_px, self._wide.width / 2, self._wide.height / 2
-            )
+            surfaces = self._keyframes.surfaces(t_us, views, flicker, self._projection)
             for rectangle in rectangles:
-                label, nearness = self._raster.rasterise(
-                    projected, part, rectangle, self._background.subpixel_nearness
-                )
                 composite(
-                    luminance,
+                    canvas,
                     self._background,
                     effects,
                     surfaces,
-                    projection,
-                    label,
-                    nearness,
-                    self._weights,
+                    self._projection,
+                    self._aperture,
                     rectangle,
                 )
-                self._overlay(visible, label, nearness, rectangle)
         if self._flickering is not None:
             rectangles = [image_rectangle(self._wide)]
-        return RenderedSample(luminance, visible, rectangles)
+        return RenderedSample(canvas.image.copy(), body, rectangles)
 
-    def _overlay(
-        self, visible: VisibilityMap, label: I32, nearness: F32, rectangle: Rectangle
-    ) -> None:
-        """Write the bodies of the moving parts over a visibility map, in place."""
-        centre = slice(self._supersample // 2, None, self._supersample)
-        body = self._raster.parts.to_bodies(label[centre, centre])
-        overlay_movers(visible, body, nearness[centre, centre], rectangle, 1)
+    def _draw_outlines(self, poses: F64, body: I32) -> None:
+        """Put the moving parts on the canvas, and their bodies into a map of pixel centres."""
+        canvas, size = self._canvas, self._supersample
+        for rectangle in self._drawn:
+            wipe(canvas, self._background, rectangle, size)
+        projected, part = self._raster.project(poses)
+        found = self._raster.rectangles(projected, part, self._scene.objects)
+        self._drawn = [rectangle for rectangle in found if rectangle]
+        if self._drawn:
+            rasterise(projected, part, 0, 0, canvas.nearness, canvas.label, True)
+        for rectangle in self._drawn:
+            show_bodies(canvas.label, self._raster.parts.body, size, rectangle, body)
 
     def _place(self, t_us: int) -> None:
         self._scene.place(self._data, self._seconds(t_us))

@@ -8,14 +8,14 @@ its illumination in the vehicle's.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.geometry.rigid_transform import compose_transforms, inverse_transform
-from sim.keyframes.surface_lookup import Surfaces
+from sim.geometry.pinhole import Projection
+from sim.keyframes.surface_lookup import Surfaces, move_surfaces
 from sim.raster.aperture import to_grid
 from sim.scene.moving_objects import MovingObject
 
@@ -103,29 +103,21 @@ class KeyframeStore:
             self._keys[obj.name] = [have.get(t) or self._render(obj, t) for t in wanted]
             self._packed = None
 
-    def surfaces(self, t_us: int, views: F64, flicker: float) -> Surfaces:
+    def surfaces(self, t_us: int, views: F64, flicker: float, projection: Projection) -> Surfaces:
         """Return the surfaces of all parts for the lookup at a time.
 
         Args:
             t_us: time that the store was advanced to [µs].
             views: (bodies, 3, 4) transform from each body's frame to the camera's at that time.
             flicker: relative flux of the flickering lamps at that time.
+            projection: projection of the camera.
         """
         if self._packed is None:
             self._packed = self._pack()
         packed = self._packed
         if self._flickering is not None and self._steady is not None:
-            np.multiply(self._flickering, np.float32(flicker), out=packed.luminance)
-            np.add(packed.luminance, self._steady, out=packed.luminance)
-        for obj in self._objects:
-            keys = self._keys[obj.name]
-            weights = _weights([key.t_us for key in keys], t_us)
-            for k, (key, weight) in enumerate(zip(keys, weights, strict=True)):
-                for row, body, patch in self._rows(key, obj.root):
-                    packed.weights[row, k] = weight
-                    packed.transforms[2 * row + k] = compose_transforms(
-                        inverse_transform(views[body]), patch.view
-                    )
+            packed.grid[:, 0] = self._steady + np.float32(flicker) * self._flickering
+        move_surfaces(packed, t_us, views, projection)
         return packed
 
     def _rows(self, key: Keyframe, root: int) -> Iterator[tuple[int, int, Patch]]:
@@ -137,31 +129,41 @@ class KeyframeStore:
 
     def _pack(self) -> Surfaces:
         """Concatenate all patches."""
-        luminances: list[F32] = []
-        coverages = [np.empty(0, np.float32)]
         count = 2 * len(self._carriers)
-        patches, means = np.zeros((count, 2, 5), np.int64), np.zeros(count)
-        start = 0
-        for obj in self._objects:
-            for k, key in enumerate(self._keys[obj.name]):
-                for row, _, patch in self._rows(key, obj.root):
-                    rows, columns = patch.coverage.shape
-                    patches[row, k] = start, patch.x0, patch.y0, columns, rows
-                    luminances.append(patch.luminance.reshape(len(patch.luminance), -1))
-                    coverages.append(patch.coverage.ravel())
-                    means[row] = patch.luminance.sum() / patch.coverage.sum()
-                    start += patch.coverage.size
-        layers = np.concatenate(luminances, axis=1) if luminances else np.empty((1, 0), np.float32)
-        self._steady, self._flickering = layers if len(layers) == 2 else (None, None)
-        return Surfaces(
-            luminance=layers[0].copy(),
-            coverage=np.concatenate(coverages),
-            patches=patches,
-            transforms=np.zeros((2 * count, 3, 4)),
-            weights=np.zeros((count, 2)),
-            means=means,
+        packed = Surfaces(
+            grid=np.empty((0, 2), np.float32),
+            patches=np.zeros((count, 2, 5), np.int64),
+            views=np.zeros((count, 2, 3, 4)),
+            carriers=np.zeros(count, np.int32),
+            key_us=np.zeros((count, 2), np.int64),
+            means=np.zeros(count),
             per_pixel=self._per_pixel,
+            matrices=np.zeros((count, 2, 3, 4)),
+            weights=np.zeros((count, 2)),
         )
+        patches, start = [], 0
+        for obj in self._objects:
+            keys = self._keys[obj.name]
+            for k, key in enumerate(keys):
+                for row, body, patch in self._rows(key, obj.root):
+                    rows, columns = patch.coverage.shape
+                    packed.patches[row, k] = start, patch.x0, patch.y0, columns, rows
+                    packed.views[row, k], packed.carriers[row] = patch.view, body
+                    packed.key_us[row] = keys[0].t_us, keys[-1].t_us
+                    packed.means[row] = patch.luminance.sum() / patch.coverage.sum()
+                    patches.append(patch)
+                    start += patch.coverage.size
+        grid, start = np.empty((start, 2), np.float32), 0
+        layers = len(patches[0].luminance) if patches else 1
+        luminance = np.empty((layers, len(grid)), np.float32)
+        for patch in patches:
+            here = slice(start, start + patch.coverage.size)
+            luminance[:, here] = patch.luminance.reshape(layers, -1)
+            grid[here, 1] = patch.coverage.ravel()
+            start = here.stop
+        grid[:, 0] = luminance[0]
+        self._steady, self._flickering = luminance if layers == 2 else (None, None)
+        return packed._replace(grid=grid)
 
 
 def cut_patches(
@@ -208,11 +210,3 @@ def cut_patches(
             view=view,
         )
     return patches
-
-
-def _weights(keys_us: Sequence[int], t_us: int) -> tuple[float, ...]:
-    if len(keys_us) < 2:
-        return (1.0,) * len(keys_us)
-    first, last = keys_us
-    late = min(max((t_us - first) / (last - first), 0.0), 1.0)
-    return 1 - late, late

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import inlined
+from flybench.kernels import compiled, inlined
 from sim.geometry.pinhole import Projection
-from sim.geometry.rigid_transform import transform_point
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
 I64 = npt.NDArray[np.int64]
 
 MIN_COVERAGE = 1e-3
@@ -28,56 +27,106 @@ class Surfaces(NamedTuple):
     luminance in the first half.
 
     Attributes:
-        luminance: (n,) float32, coverage × luminance of all patches, flattened [cd/m²]; for a part
-            that rotates, coverage × albedo, and separately its illumination, which does not rotate.
-        coverage: (n,) float32.
-        patches: (2 · parts, 2, 5) int64, for both keyframes: start in `luminance`, x0, y0 [grid
-            points], width and height; width 0 if there is no patch.
-        transforms: (4 · parts, 3, 4) float64, two for each row: from the camera's frame now to its
-            frame at either keyframe.
-        weights: (2 · parts, 2) float64, weights of the two keyframes, which sum to 1.
+        grid: (n, 2) float32, coverage × luminance of all patches, flattened [cd/m²], and coverage;
+            for a part that rotates, coverage × albedo, and separately its illumination, which does
+            not rotate.
+        patches: (2 · parts, 2, 5) int64, for both keyframes: start in `grid`, x0, y0 [grid points],
+            width and height; width 0 if there is no patch.
+        views: (2 · parts, 2, 3, 4) float64 transform from the carrying body's frame to the camera's
+            at both keyframes.
+        carriers: (2 · parts,) int32 number of the body that carries each row.
+        key_us: (2 · parts, 2) int64 times of both keyframes [µs]; equal if there is only one.
         means: (2 · parts,) float64, value for points that no keyframe shows.
         per_pixel: grid points per pixel and axis.
+        matrices: (2 · parts, 2, 3, 4) float64 map from (column, row, 1, nearness) of a point in the
+            present image to its homogeneous position in a patch; see `move_surfaces`.
+        weights: (2 · parts, 2) float64, weights of the two keyframes, which sum to 1.
     """
 
-    luminance: F32
-    coverage: F32
+    grid: F32
     patches: I64
-    transforms: F64
-    weights: F64
+    views: F64
+    carriers: I32
+    key_us: I64
     means: F64
     per_pixel: int
+    matrices: F64
+    weights: F64
+
+
+@compiled
+def move_surfaces(surfaces: Surfaces, t_us: int, views: F64, projection: Projection) -> None:
+    """Set matrices and weights of surfaces for a time.
+
+    A point at (u, v) in the image has the position (u', v', 1) / nearness in the camera's frame. A
+    rigid motion followed by a projection is therefore linear in (u, v, 1, nearness), up to one
+    division.
+
+    Args:
+        surfaces: the surfaces; `matrices` and `weights` are changed.
+        t_us: the time [µs].
+        views: (bodies, 3, 4) transform from each body's frame to the camera's at that time.
+        projection: projection of the camera.
+    """
+    focal, centre_x, centre_y = projection
+    linear = np.empty((3, 4))
+    for row in range(len(surfaces.means)):
+        first, last = surfaces.key_us[row, 0], surfaces.key_us[row, 1]
+        late = min(max((t_us - first) / (last - first), 0.0), 1.0) if last > first else 0.0
+        surfaces.weights[row, 0], surfaces.weights[row, 1] = 1.0 - late, late
+        now = views[surfaces.carriers[row]]
+        for key in range(2):
+            x0, y0 = surfaces.patches[row, key, 1], surfaces.patches[row, key, 2]
+            if surfaces.patches[row, key, 3] == 0:
+                continue
+            then = surfaces.views[row, key]
+            for a in range(3):
+                for b in range(3):  # rotation: then · nowᵀ
+                    linear[a, b] = 0.0
+                    for c in range(3):
+                        linear[a, b] += then[a, c] * now[b, c]
+                linear[a, 3] = then[a, 3]
+                for b in range(3):
+                    linear[a, 3] -= linear[a, b] * now[b, 3]
+                right, down = linear[a, 0] / focal, linear[a, 1] / focal
+                linear[a, 2] -= right * centre_x + down * centre_y
+                linear[a, 0], linear[a, 1] = right, down
+            size = surfaces.per_pixel
+            for b in range(4):
+                x, y, z = linear[0, b], linear[1, b], linear[2, b]
+                matrix = surfaces.matrices[row, key]
+                matrix[0, b] = size * (centre_x * z + focal * x) - (0.5 + x0) * z
+                matrix[1, b] = size * (centre_y * z + focal * y) - (0.5 + y0) * z
+                matrix[2, b] = z
 
 
 @inlined
 def surface_luminance(
     surfaces: Surfaces,
-    projection: Projection,
     part: int,
     u: float,
     v: float,
-    depth: float,
-    off_u: float,
-    off_v: float,
+    nearness: float,
+    shift_u: float,
+    shift_v: float,
 ) -> float:
     """Return the luminance of a part around a pixel centre, from the keyframes [cd/m²].
 
     Args:
-        surfaces: surfaces of all parts.
-        projection: projection of the camera.
+        surfaces: surfaces of all parts, moved to the present time.
         part: number of the part.
         u: column of a point of the part in the image [px].
         v: row of the point [px].
-        depth: depth of the point [m].
-        off_u: columns from the pixel centre to the point [px].
-        off_v: rows from the pixel centre to the point [px].
+        nearness: 1/depth of the point [1/m].
+        shift_u: columns from the pixel centre to the point [grid points].
+        shift_v: rows from the pixel centre to the point [grid points].
     """
     value = 1.0
     for layer in range(2):
         row = part + layer * (len(surfaces.means) // 2)
         if layer == 1 and surfaces.patches[row, 0, 3] + surfaces.patches[row, 1, 3] == 0:
             break
-        here = _interpolated(surfaces, projection, row, u, v, depth, off_u, off_v)
+        here = _interpolated(surfaces, row, u, v, nearness, shift_u, shift_v)
         value *= surfaces.means[row] if here < 0.0 else here
     return value
 
@@ -85,44 +134,42 @@ def surface_luminance(
 @inlined
 def _interpolated(
     surfaces: Surfaces,
-    projection: Projection,
     row: int,
     u: float,
     v: float,
-    depth: float,
-    off_u: float,
-    off_v: float,
+    nearness: float,
+    shift_u: float,
+    shift_v: float,
 ) -> float:
     """Interpolate one row of the surfaces around a pixel centre; see `surface_luminance`.
 
     Returns:
         Luminance, albedo or illumination; negative if no keyframe shows the point.
     """
-    luminance, coverage, patches, transforms, weights, _, per_pixel = surfaces
-    focal, centre_x, centre_y = projection
-    x, y = (u - centre_x) / focal * depth, (v - centre_y) / focal * depth
-    total = weight = 0.0
+    grid, patches, matrices = surfaces.grid, surfaces.patches, surfaces.matrices
+    k, total, weight = np.uintp(row), 0.0, 0.0
     for key in range(2):
-        share = weights[row, key]
-        width, height = patches[row, key, 3], patches[row, key, 4]
+        q = np.uintp(key)
+        share, width, height = surfaces.weights[k, q], patches[k, q, 3], patches[k, q, 4]
         if share <= 0.0 or width == 0:
             continue
-        there_x, there_y, there_z = transform_point(transforms, 2 * row + key, x, y, depth)
-        if there_z <= 0.0:
+        m = matrices[k, q]
+        depth = m[2, 0] * u + m[2, 1] * v + m[2, 2] + m[2, 3] * nearness
+        if depth <= 0.0:
             continue
-        column = (centre_x + focal * there_x / there_z - off_u) * per_pixel - 0.5
-        line = (centre_y + focal * there_y / there_z - off_v) * per_pixel - 0.5
-        left, top = math.floor(column), math.floor(line)
-        across, down = column - left, line - top
-        left -= patches[row, key, 1]
-        top -= patches[row, key, 2]
-        if left < 0 or top < 0 or left + 1 >= width or top + 1 >= height:
+        scale = 1.0 / depth
+        x = (m[0, 0] * u + m[0, 1] * v + m[0, 2] + m[0, 3] * nearness) * scale - shift_u
+        y = (m[1, 0] * u + m[1, 1] * v + m[1, 2] + m[1, 3] * nearness) * scale - shift_v
+        if not (x >= 0.0 and y >= 0.0 and x < width - 1 and y < height - 1):
             continue
-        at = patches[row, key, 0] + top * width + left
+        left, top = int(x), int(y)
+        across, down = x - left, y - top
+        at, step = np.uintp(patches[k, q, 0] + top * width + left), np.uintp(1)
+        below = at + np.uintp(width)
         a, b = share * (1.0 - across) * (1.0 - down), share * across * (1.0 - down)
         c, d = share * (1.0 - across) * down, share * across * down
-        total += a * luminance[at] + b * luminance[at + 1]
-        total += c * luminance[at + width] + d * luminance[at + width + 1]
-        weight += a * coverage[at] + b * coverage[at + 1]
-        weight += c * coverage[at + width] + d * coverage[at + width + 1]
+        total += a * grid[at, 0] + b * grid[at + step, 0]
+        total += c * grid[below, 0] + d * grid[below + step, 0]
+        weight += a * grid[at, 1] + b * grid[at + step, 1]
+        weight += c * grid[below, 1] + d * grid[below + step, 1]
     return total / weight if weight > MIN_COVERAGE else -1.0

@@ -60,7 +60,7 @@ def project_triangles(
             inside += corners[t, i, 2] >= near
         if inside == 0:
             continue
-        size = 3 if inside == 3 else _clip(corners, t, near, clipped)
+        size = 3 if inside == 3 else clip_triangle(corners, t, near, clipped)
         for fan in range(size - 2):
             for i in range(3):
                 k = 0 if i == 0 else fan + i
@@ -78,8 +78,12 @@ def project_triangles(
 
 
 @compiled
-def _clip(corners: F64, t: int, near: float, clipped: F64) -> int:
-    """Clip triangle `t` at the near plane. Return the number of corners written to `clipped`."""
+def clip_triangle(corners: F64, t: int, near: float, clipped: F64) -> int:
+    """Clip triangle `t` of (n, 3, 3) corners at the near plane.
+
+    Returns:
+        Number of corners written to `clipped`, (4, 3): 3 or 4, or 0 behind the plane.
+    """
     size = 0
     for i in range(3):
         j = (i + 1) % 3
@@ -140,9 +144,10 @@ def rasterise(
             stop = min(math.ceil(high - 0.5 - x0), width)
             near = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
             for column in range(start, stop):
-                if near > nearness[row, column]:
-                    nearness[row, column] = near
-                    label[row, column] = triangle_label
+                i, j = np.uintp(row), np.uintp(column)  # spares a test for negative indices
+                if near > nearness[i, j]:
+                    nearness[i, j] = near
+                    label[i, j] = triangle_label
                 near += slope_x
 
 

@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NO_LABEL, empty_buffer, project_triangles, rasterise
+from sim.raster.scan_conversion import empty_buffer, project_triangles, rasterise
 from sim.raster.triangles import Triangles, TriangleSoup
 
 F32 = npt.NDArray[np.float32]
@@ -76,24 +75,3 @@ def overlay_triangles(
     projected, source = project_triangles(in_camera, lens.focal_px, *lens.centre_px, NEAR_M)
     label = (first + source).astype(np.int32)
     rasterise(projected, label, 0, 0, visible.nearness, visible.body, True)
-
-
-def overlay_movers(
-    visible: VisibilityMap, label: I32, nearness: F32, rectangle: Rectangle, supersample: int
-) -> None:
-    """Write the bodies of moving objects over a visibility map, in place.
-
-    Args:
-        visible: map without the moving objects.
-        label: body number at each sub-pixel of the rectangle; `NO_LABEL` keeps the map's body.
-        nearness: nearness at the same sub-pixels [1/m].
-        rectangle: x0, y0, x1, y1 [px].
-        supersample: sub-pixels per pixel and axis. If it is even, no sub-pixel lies on the pixel
-            centre; the one after the centre is taken.
-    """
-    x0, y0, x1, y1 = rectangle
-    centre = slice(supersample // 2, None, supersample)
-    body = label[centre, centre]
-    is_mover = body != NO_LABEL
-    visible.body[y0:y1, x0:x1][is_mover] = body[is_mover]
-    visible.nearness[y0:y1, x0:x1][is_mover] = nearness[centre, centre][is_mover]

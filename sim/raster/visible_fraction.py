@@ -14,6 +14,7 @@ import numpy.typing as npt
 from flybench.kernels import compiled
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Projection
 from sim.raster.scan_conversion import mark_covered
+from sim.raster.shared_corners import share_corners
 from sim.raster.triangles import TriangleSoup
 
 F64 = npt.NDArray[np.float64]
@@ -30,16 +31,8 @@ class VisibleFraction:
     """An object's triangles, prepared for measuring its visible fraction at many times."""
 
     def __init__(self, soup: TriangleSoup) -> None:
-        """Merge the corners that triangles share.
-
-        Args:
-            soup: triangles of the object.
-        """
-        corners = np.column_stack([soup.triangles_m.reshape(-1, 3), np.repeat(soup.body, 3)])
-        unique, faces = np.unique(corners, axis=0, return_inverse=True)
-        self._corners_m = np.ascontiguousarray(unique[:, :3])
-        self._body = unique[:, 3].astype(np.int32)
-        self._faces = faces.reshape(-1, 3).astype(np.int32)
+        """Prepare the triangles of an object."""
+        self._shared = share_corners(soup)
 
     def measure(self, views: F64, lens: Intrinsics, labels: I8, number: int) -> float:
         """Return the fraction of the silhouette's pixels that the image shows.
@@ -53,15 +46,16 @@ class VisibleFraction:
         Returns:
             0 to 1; 1 if the object is entirely in the image and nothing occludes it.
         """
+        shared = self._shared
         projection = Projection(lens.focal_px, lens.width / 2, lens.height / 2)
-        corners_px, *span = _project(self._corners_m, self._body, views, projection)
+        corners_px, *span = _project(shared.corners_m, shared.body, views, projection)
         if not (span[0] < lens.width and span[1] < lens.height and span[2] > 0 and span[3] > 0):
             return 0.0
         x0, y0 = math.floor(span[0]), math.floor(span[1])
         x1, y1 = math.ceil(span[2]), math.ceil(span[3])
         stride = max(math.isqrt((x1 - x0) * (y1 - y0) // SAMPLED_PIXELS), 1)
         grid = np.zeros((-(-(y1 - y0) // stride), -(-(x1 - x0) // stride)), np.bool_)
-        whole = mark_covered(corners_px, self._faces, x0 + 0.5, y0 + 0.5, float(stride), grid)
+        whole = mark_covered(corners_px, shared.faces, x0 + 0.5, y0 + 0.5, float(stride), grid)
         x, y = (n % stride if n < 0 else n for n in (x0, y0))
         visible = int(np.count_nonzero(labels[y:y1:stride, x:x1:stride] == number))
         return min(visible / whole, 1.0) if whole else 0.0

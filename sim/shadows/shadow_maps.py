@@ -6,6 +6,7 @@ because the shadow changes as the object moves.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -14,12 +15,13 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled
 from sim.geometry.rigid_transform import axes_along, compose_transforms, world_to_frame
-from sim.raster.scan_conversion import project_triangles, rasterise
-from sim.raster.triangles import TriangleSoup
+from sim.raster.scan_conversion import rasterise
+from sim.raster.shared_corners import SharedCorners, move_corners, project_faces
 from sim.scene.moving_objects import MovingObject
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
 I64 = npt.NDArray[np.int64]
 
 MAP_SIDE = 512
@@ -76,7 +78,7 @@ class ShadowMap:
 def render_shadow_map(
     source: ShadowSource,
     obj: MovingObject,
-    soup: TriangleSoup,
+    caster: SharedCorners,
     data: mujoco.MjData,
     poses: F64,
     out: F32,
@@ -86,7 +88,7 @@ def render_shadow_map(
     Args:
         source: the light.
         obj: the object in front of the light.
-        soup: triangles of the object that cast shadows.
+        caster: triangles of the object that cast shadows.
         data: positions of the object's bodies.
         poses: (bodies, 3, 4) transform from each body's frame into the world.
         out: (`MAP_SIDE`, `MAP_SIDE`) float32; the map is written to its upper left part.
@@ -94,52 +96,58 @@ def render_shadow_map(
     Returns:
         Geometry of the map; None if the object casts no shadow or is entirely behind the lamp.
     """
+    if not len(caster.faces):
+        return None
     origin_m = data.xpos[obj.root] if source.is_sun else source.position_m
     to_light = world_to_frame(source.axes, origin_m)
-    triangles = soup.transformed(compose_transforms(poses, to_light))
-    if not len(triangles):
+    corners = move_corners(caster.corners_m, caster.body, compose_transforms(poses, to_light))
+    texel, left, top, rows, columns = _rasterise_map(corners, caster.faces, source.is_sun, out)
+    if not rows:
         return None
-    if source.is_sun:
-        texel = TEXEL_M
-        triangles[..., 2] *= -1
-    else:
-        farthest_m = _span(triangles)[1, 2]
-        if farthest_m < LAMP_NEAR_M:
-            return None
-        texel = TEXEL_M / farthest_m
-        triangles, _ = project_triangles(triangles, 1.0, 0.0, 0.0, LAMP_NEAR_M)
-    low, high = _span(triangles)[:, :2]
-    texel = max(texel, float((high - low).max()) / (MAP_SIDE - 7))
-    start = np.floor(low / texel) - 2
-    columns, rows = (int(n) for n in np.ceil(high / texel) - start + 3)
-    _to_texels(triangles, texel, start)
-    used = out[:rows, :columns]
-    used.fill(NO_CASTER)
-    labels, unused = np.zeros(len(triangles), np.int32), np.empty(used.shape, np.int32)
-    rasterise(triangles, labels, 0, 0, used, unused, True)
     last = -to_light[2:] if source.is_sun else to_light[2:]
-    shift = np.outer(start, [0, 0, 0, 1] if source.is_sun else to_light[2])
+    shift = np.outer([left, top], [0, 0, 0, 1] if source.is_sun else to_light[2])
     return ShadowMap(np.concatenate([to_light[:2] / texel - shift, last]), (rows, columns))
 
 
 @compiled
-def _span(triangles: F64) -> F64:
-    """Return the lowest and highest coordinates of (n, 3, 3) corners along each axis, (2, 3)."""
-    span = np.empty((2, 3))
-    span[0], span[1] = np.inf, -np.inf
-    for t in range(len(triangles)):
-        for corner in range(3):
-            for axis in range(3):
-                span[0, axis] = min(span[0, axis], triangles[t, corner, axis])
-                span[1, axis] = max(span[1, axis], triangles[t, corner, axis])
-    return span
+def _rasterise_map(
+    corners: F64, faces: I32, is_sun: bool, out: F32
+) -> tuple[float, float, float, int, int]:
+    """Rasterise a shadow map.
 
+    Args:
+        corners: (n, 3) corners in the light's frame: right, down, away [m].
+        faces: (m, 3) corners of each triangle.
+        is_sun: True for the sun.
+        out: the map is written to its upper left part.
 
-@compiled
-def _to_texels(triangles: F64, texel: float, start: F64) -> None:
-    """Convert x and y of (n, 3, 3) corners to a map's columns and rows, in place."""
+    Returns:
+        Side of a texel [m, or m per m of distance for a lamp], column and row of the map's first
+        texel, and rows and columns in use; no rows if all is behind the lamp.
+    """
+    if is_sun:
+        texel, triangles = TEXEL_M, np.empty((len(faces), 3, 3))
+        for t in range(len(faces)):
+            for i in range(3):
+                triangles[t, i] = corners[faces[t, i]]
+                triangles[t, i, 2] *= -1.0
+    else:
+        farthest_m = corners[:, 2].max()
+        if farthest_m < LAMP_NEAR_M:
+            return 0.0, 0.0, 0.0, 0, 0
+        texel = TEXEL_M / farthest_m
+        triangles, _ = project_faces(corners, faces, 1.0, 0.0, 0.0, LAMP_NEAR_M)
+    low_x, high_x = triangles[:, :, 0].min(), triangles[:, :, 0].max()
+    low_y, high_y = triangles[:, :, 1].min(), triangles[:, :, 1].max()
+    texel = max(texel, max(high_x - low_x, high_y - low_y) / (MAP_SIDE - 7))
+    left, top = math.floor(low_x / texel) - 2.0, math.floor(low_y / texel) - 2.0
+    columns = int(math.ceil(high_x / texel) - left + 3)
+    rows = int(math.ceil(high_y / texel) - top + 3)
     for t in range(len(triangles)):
-        for corner in range(3):
-            for axis in range(2):
-                texels = triangles[t, corner, axis] / texel - start[axis]
-                triangles[t, corner, axis] = texels
+        for i in range(3):
+            triangles[t, i, 0] = triangles[t, i, 0] / texel - left
+            triangles[t, i, 1] = triangles[t, i, 1] / texel - top
+    used, unused = out[:rows, :columns], np.empty((rows, columns), np.int32)
+    used[:] = NO_CASTER
+    rasterise(triangles, np.zeros(len(triangles), np.int32), 0, 0, used, unused, True)
+    return texel, left, top, rows, columns

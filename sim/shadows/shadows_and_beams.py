@@ -14,6 +14,7 @@ from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
+from sim.raster.shared_corners import share_corners
 from sim.raster.triangles import TriangleSoup
 from sim.scene.moving_objects import MovingObject
 from sim.shadows.affected_rectangles import beam_rectangle, shadow_rectangle
@@ -156,10 +157,11 @@ class ShadowBeamRenderer:
         Raises:
             SceneConfigError: there are more than `MAX_SHADOWS` pairs of object and light.
         """
-        self._model, self._finder = model, finder
+        self._finder = finder
         casting = model.geom_castshadow[movers.geom]
         self._casters = {
-            o.name: movers.subset(casting & np.isin(movers.body, o.bodies)) for o in finder.objects
+            o.name: share_corners(movers.subset(casting & np.isin(movers.body, o.bodies)))
+            for o in finder.objects
         }
         pairs = len(finder.sources) * len(finder.objects)
         if pairs > MAX_SHADOWS:
@@ -169,6 +171,10 @@ class ShadowBeamRenderer:
                 "objects."
             )
         self._maps = np.empty((pairs, MAP_SIDE, MAP_SIDE), np.float32)
+        self._to_world = inverse_transform(finder.pose.world_to_camera)
+        # Taken now, because a renderer changes the model's lights for a moment.
+        self._beams = {int(k): _beam_constants(model, int(k)) for k in finder.beams}
+        self._beam_range_m = max((float(model.light_range[k]) for k in finder.beams), default=1.0)
 
     def render(
         self, data: mujoco.MjData, poses: F64, areas: AffectedAreas, gains: F64
@@ -188,32 +194,34 @@ class ShadowBeamRenderer:
             made = render_shadow_map(sources[k], obj, self._casters[obj.name], data, poses, out)
             if made:
                 rendered.append((k, made, area))
-        to_world = inverse_transform(self._finder.pose.world_to_camera)
-        views = [compose_transforms(to_world, made.view) for _, made, _ in rendered]
-        ranges = [float(self._model.light_range[k]) for k, _ in areas.beams]
+        views = np.array([made.view for _, made, _ in rendered]).reshape(-1, 3, 4)
         return ShadowsAndBeams(
             gains=gains,
             maps=self._maps,
             sizes=np.array([made.size for _, made, _ in rendered], np.int64).reshape(-1, 2),
-            views=np.array(views, np.float64).reshape(-1, 3, 4),
+            views=compose_transforms(self._to_world, views),
             light=np.array([k for k, _, _ in rendered], np.int64),
             is_sun=np.array([sources[k].is_sun for k, _, _ in rendered], np.bool_),
             shadow_areas=np.array([area for _, _, area in rendered], np.int64).reshape(-1, 4),
             beams=np.array([self._beam(data, k) for k, _ in areas.beams]).reshape(-1, 9),
             beam_areas=np.array([area for _, area in areas.beams], np.int64).reshape(-1, 4),
-            beam_range_m=max(ranges, default=1.0),
+            beam_range_m=self._beam_range_m,
         )
 
     def _beam(self, data: mujoco.MjData, light: int) -> F64:
         """Return the row of `ShadowsAndBeams.beams` for a light, (9,)."""
         into = self._finder.pose.world_to_camera
-        outer = math.radians(self._model.light_cutoff[light])
-        inner = outer * (1 - self._model.light_softness[light])
-        scale = 1 / max(math.cos(inner) - math.cos(outer), MIN_CONE_EDGE)
         position = into[:, :3] @ data.light_xpos[light] + into[:, 3]
         direction = into[:, :3] @ data.light_xdir[light]
-        candela = self._model.light_intensity[light]
-        return np.array([*position, *direction, candela, scale, -math.cos(outer) * scale])
+        return np.concatenate([position, direction, self._beams[light]])
+
+
+def _beam_constants(model: mujoco.MjModel, light: int) -> F64:
+    """Return candela, and scale and offset of the cone's edge, of a light."""
+    outer = math.radians(model.light_cutoff[light])
+    inner = outer * (1 - model.light_softness[light])
+    scale = 1 / max(math.cos(inner) - math.cos(outer), MIN_CONE_EDGE)
+    return np.array([model.light_intensity[light], scale, -math.cos(outer) * scale])
 
 
 def _shadow_lights(model: mujoco.MjModel, objects: tuple[MovingObject, ...]) -> Numbers:

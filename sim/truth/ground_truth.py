@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -33,13 +35,12 @@ class ObjectTruth:
         angular_velocity_rad_s: rate, without sign, at which the bearing of the reference point
             turns about the vertical through the camera. It does not include the camera's shake.
         distance_m: distance from the camera to the reference point.
-        visibility: share of the object's silhouette that the image shows, 0 to 1, to about 1 %.
-            The silhouette is what an unlimited image would show if nothing stood in front.
         bounding_box_px: x0, y0, x1, y1 of the mask, half-open; None if the mask is empty.
         centroid_px: (2,) centroid of the mask; None if the mask is empty.
         labels: (height, width) int8 number of the object that the middle of each pixel shows; -1
             for none. All objects of a sample share this array.
         number: number of this object in `labels`.
+        measure_visibility: measures `visibility`, which costs more than all else.
     """
 
     name: str
@@ -48,11 +49,19 @@ class ObjectTruth:
     image_velocity_px_s: F64
     angular_velocity_rad_s: float
     distance_m: float
-    visibility: float
     bounding_box_px: Rectangle | None
     centroid_px: F64 | None
     labels: I8
     number: int
+    measure_visibility: Callable[[], float]
+
+    @cached_property
+    def visibility(self) -> float:
+        """Share of the object's silhouette that the image shows, 0 to 1, to about 1 %.
+
+        The silhouette is what an unlimited image would show if nothing stood in front.
+        """
+        return self.measure_visibility() if self.in_view else 0.0
 
     @property
     def mask(self) -> npt.NDArray[np.bool_]:

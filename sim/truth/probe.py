@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Intrinsics, Pose
+from sim.geometry.pinhole import Intrinsics, Pose, Projection
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
 from sim.raster.visible_fraction import VisibleFraction
@@ -50,6 +50,7 @@ class TruthProbe:
         ]
         self._roots = np.array([item.root for item in scene.objects])
         self._references_m = self._reference_points_m()
+        self._projection = Projection(lens.focal_px, *lens.centre_px)
 
     def measure(self, t_us: int, t_s: float, body: I32) -> GroundTruth:
         """Measure the ground truth at one time.
@@ -64,65 +65,46 @@ class TruthProbe:
         labels, counts = _label(body, self.geometry.object_of_body, len(scene.objects))
         poses, camera = self.geometry.poses_in_world(t_s), scene.pose_at(t_s)
         motions = self._motions(t_s, poses, camera)
-        in_camera = compose_transforms(poses, camera.world_to_camera)
         objects = tuple(
-            self._object_truth(k, motions[k], in_camera, labels, counts[k])
+            self._object_truth(k, motions[k], poses, camera, labels, counts[k])
             for k in range(len(scene.objects))
         )
         position_m = scene.trajectory.position_m(t_s)
         return GroundTruth(t_us, scene.config.direction, position_m, objects)
 
     def _object_truth(
-        self, k: int, motion: _Motion, in_camera: F64, labels: I8, count: I64
+        self, k: int, motion: F64, poses: F64, camera: Pose, labels: I8, count: I64
     ) -> ObjectTruth:
         """Collect the ground truth of object `k`; `count` is its row of counts from `_label`."""
         item, seen = self._scene.objects[k], count[_AREA] > 0
-        visibility = 0.0
-        if seen:
-            visibility = self._visible_fractions[k].measure(in_camera, self._lens, labels, k)
         return ObjectTruth(
             name=item.name,
             kind=item.kind,
-            reference_px=motion.reference_px,
-            image_velocity_px_s=motion.image_velocity_px_s,
-            angular_velocity_rad_s=motion.angular_velocity_rad_s,
-            distance_m=motion.distance_m,
-            visibility=visibility,
+            reference_px=motion[:2],
+            image_velocity_px_s=motion[2:4],
+            angular_velocity_rad_s=float(motion[4]),
+            distance_m=float(motion[5]),
             bounding_box_px=_box(count) if seen else None,
             centroid_px=_centroid(count) if seen else None,
             labels=labels,
             number=k,
+            measure_visibility=partial(self._visibility, k, poses, camera, labels),
         )
 
-    def _motions(self, t_s: float, poses: F64, camera: Pose) -> list[_Motion]:
-        """Motion of every reference point; `poses` and `camera` are those at `t_s`."""
+    def _visibility(self, k: int, poses: F64, camera: Pose, labels: I8) -> float:
+        in_camera = compose_transforms(poses, camera.world_to_camera)
+        return self._visible_fractions[k].measure(in_camera, self._lens, labels, k)
+
+    def _motions(self, t_s: float, poses: F64, camera: Pose) -> F64:
+        """Motion of every reference point, see `_motions`; `poses` and `camera` are at `t_s`."""
         around_s = t_s - RATE_STEP_S, t_s + RATE_STEP_S
         roots = np.stack([poses[self._roots], *(self._root_poses(t) for t in around_s)])
-        cameras = [camera, *map(self._scene.pose_at, around_s)]
-        world, in_camera = self._references_from_camera(roots, cameras)
-        world_rates, camera_rates = ((p[2] - p[1]) / (2 * RATE_STEP_S) for p in (world, in_camera))
-        return [
-            _motion(world[0, k], in_camera[0, k], world_rates[k], camera_rates[k], self._lens)
-            for k in range(len(self._roots))
-        ]
+        poses_of_camera = [camera, *map(self._scene.pose_at, around_s)]
+        cameras = np.stack([pose.world_to_camera for pose in poses_of_camera])
+        return _motions(self._references_m, roots, cameras, self._projection, 2 * RATE_STEP_S)
 
     def _root_poses(self, t_s: float) -> F64:
         return np.asarray(self.geometry.poses_in_world(t_s)[self._roots])
-
-    def _references_from_camera(self, roots: F64, cameras: list[Pose]) -> tuple[F64, F64]:
-        """Vectors from the camera to the reference points at several times [m].
-
-        Args:
-            roots: (times, objects, 3, 4) poses of the objects' root bodies in the world.
-            cameras: (times,) poses of the camera.
-
-        Returns:
-            (times, objects, 3) along the world's axes, and along the camera's axes.
-        """
-        points = (roots[..., :3] @ self._references_m[..., None])[..., 0] + roots[..., 3]
-        offsets = points - np.array([[camera.position_m] for camera in cameras])
-        axes = np.array([camera.world_to_camera[:, :3] for camera in cameras])
-        return offsets, offsets @ axes.swapaxes(-1, -2)
 
     def _reference_points_m(self) -> F64:
         """(objects, 3) reference points in the frames of the objects' root bodies [m]."""
@@ -133,38 +115,51 @@ class TruthProbe:
         return points
 
 
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """Motion of one object's reference point; see `ObjectTruth`."""
-
-    reference_px: F64
-    image_velocity_px_s: F64
-    angular_velocity_rad_s: float
-    distance_m: float
-
-
-def _motion(
-    world_axes: F64, camera_axes: F64, world_rate: F64, camera_rate: F64, lens: Intrinsics
-) -> _Motion:
-    """Describe the motion of a point in the image and around the camera.
+@compiled
+def _motions(points: F64, roots: F64, cameras: F64, projection: Projection, apart_s: float) -> F64:
+    """Describe the motions of points in the image and around the camera.
 
     Args:
-        world_axes: (3,) vector from the camera to the point along the world's axes [m].
-        camera_axes: (3,) the same vector along the camera's axes [m].
-        world_rate: (3,) rate of `world_axes` [m/s].
-        camera_rate: (3,) rate of `camera_axes` [m/s].
-        lens: intrinsics of the camera.
+        points: (objects, 3) points in the frames of the objects' root bodies [m].
+        roots: (3, objects, 3, 4) poses of these bodies in the world at the time in question, and
+            half of `apart_s` before and after it.
+        cameras: (3, 3, 4) transforms from the world to the camera's frame at these times. The
+            camera rotates about a fixed position.
+        projection: projection of the camera.
+        apart_s: time between the last two poses [s].
+
+    Returns:
+        (objects, 6): reference point in the image [px] and its velocity [px/s], rate of its bearing
+        about the vertical, without sign [rad/s], and its distance [m]; see `ObjectTruth`.
     """
-    x, y, z = (float(part) for part in world_axes)
-    bearing_rate = abs(x * world_rate[1] - y * world_rate[0]) / (x * x + y * y)
-    depth = float(camera_axes[2]) if camera_axes[2] > 0 else math.nan
-    slope = camera_axes[:2] / depth
-    return _Motion(
-        reference_px=np.array([lens.width / 2, lens.height / 2]) + lens.focal_px * slope,
-        image_velocity_px_s=lens.focal_px / depth * (camera_rate[:2] - slope * camera_rate[2]),
-        angular_velocity_rad_s=float(bearing_rate),
-        distance_m=math.sqrt(x * x + y * y + z * z),
-    )
+    focal, centre_x, centre_y = projection
+    out, world, seen = np.empty((len(points), 6)), np.empty((3, 3)), np.empty((3, 3))
+    for k in range(len(points)):
+        for t in range(3):
+            axes = cameras[t, :, :3].copy()
+            point = np.empty(3)
+            for i in range(3):
+                point[i] = roots[t, k, i, 3]
+                for j in range(3):
+                    point[i] += roots[t, k, i, j] * points[k, j]
+            for i in range(3):
+                seen[t, i] = cameras[t, i, 3]
+                for j in range(3):
+                    seen[t, i] += axes[i, j] * point[j]
+            for i in range(3):  # from the camera along the world's axes: the rotation undone
+                world[t, i] = 0.0
+                for j in range(3):
+                    world[t, i] += axes[j, i] * seen[t, j]
+        x, y, z = world[0, 0], world[0, 1], world[0, 2]
+        turn, rate = (world[2] - world[1]) / apart_s, (seen[2] - seen[1]) / apart_s
+        depth = seen[0, 2] if seen[0, 2] > 0 else np.nan
+        right, down = seen[0, 0] / depth, seen[0, 1] / depth
+        out[k, 0], out[k, 1] = centre_x + focal * right, centre_y + focal * down
+        out[k, 2] = focal / depth * (rate[0] - right * rate[2])
+        out[k, 3] = focal / depth * (rate[1] - down * rate[2])
+        out[k, 4] = abs(x * turn[1] - y * turn[0]) / (x * x + y * y)
+        out[k, 5] = math.sqrt(x * x + y * y + z * z)
+    return out
 
 
 _AREA = 4

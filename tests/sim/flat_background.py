@@ -7,9 +7,10 @@ import numpy.typing as npt
 
 from sim.geometry.pinhole import Intrinsics, Pose, Projection
 from sim.keyframes.background import Background
-from sim.keyframes.compositing import composite
+from sim.keyframes.canvas import blank_canvas
+from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.surface_lookup import Surfaces
-from sim.raster.aperture import LENS_BLUR_PX, aperture_weights
+from sim.raster.aperture import LENS_BLUR_PX
 from sim.raster.scan_conversion import NO_LABEL
 from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
@@ -78,13 +79,15 @@ def effects(*gains: float, **others: Any) -> ShadowsAndBeams:
 
 
 NO_SURFACES = Surfaces(
-    luminance=np.empty(0, np.float32),
-    coverage=np.empty(0, np.float32),
+    grid=np.empty((0, 2), np.float32),
     patches=np.zeros((1, 2, 5), np.int64),
-    transforms=np.zeros((2, 3, 4)),
-    weights=np.zeros((1, 2)),
+    views=np.zeros((1, 2, 3, 4)),
+    carriers=np.zeros(1, np.int32),
+    key_us=np.zeros((1, 2), np.int64),
     means=np.zeros(1),
     per_pixel=1,
+    matrices=np.zeros((1, 2, 3, 4)),
+    weights=np.zeros((1, 2)),
 )
 
 
@@ -103,19 +106,23 @@ def composited(
     supersample = len(background.subpixel_nearness) // lens.height
     x0, y0, x1, y1 = rectangle or (0, 0, lens.width, lens.height)
     shape = (y1 - y0) * supersample, (x1 - x0) * supersample
-    image = np.full((lens.height, lens.width), np.nan, np.float32)
+    gains = shadows_and_beams.gains
+    canvas = blank_canvas(background)
+    canvas.image[:] = np.nan
+    canvas.image[y0:y1, x0:x1] = np.tensordot(gains, background.pixels, axes=1)[y0:y1, x0:x1]
+    part = np.s_[y0 * supersample : y1 * supersample, x0 * supersample : x1 * supersample]
+    canvas.label[part] = np.full(shape, NO_LABEL, np.int32) if label is None else label
+    canvas.nearness[part] = np.ones(shape, np.float32) if nearness is None else nearness
     composite(
-        image,
+        canvas,
         background,
         shadows_and_beams,
         surfaces,
         Projection(lens.focal_px, lens.width / 2, lens.height / 2),
-        np.full(shape, NO_LABEL, np.int32) if label is None else label,
-        np.ones(shape, np.float32) if nearness is None else nearness,
-        aperture_weights(supersample, blur_px),
+        aperture(supersample, blur_px),
         (x0, y0, x1, y1),
     )
-    return image
+    return canvas.image
 
 
 def half_plane_shadow(edge_px: float, light: int) -> dict[str, npt.NDArray[np.generic]]:

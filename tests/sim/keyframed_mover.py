@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from sim.geometry.pinhole import Projection
 from sim.keyframes.store import Keyframe, KeyframeStore, cut_patches
 from sim.keyframes.surface_lookup import Surfaces
 from sim.raster.aperture import LENS_BLUR_PX
@@ -14,6 +15,7 @@ F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 
 BACKGROUND_M, MOVER_M = 10.0, 4.0
+PROJECTION = Projection(LENS.focal_px, LENS.width / 2, LENS.height / 2)
 
 
 def subpixel_grid(supersample: int) -> tuple[F64, F64]:
@@ -62,7 +64,7 @@ def surfaces_between(
     )
     t_us = round(1000 * late)
     store.advance(t_us)
-    return store.surfaces(t_us, np.stack([np.eye(3, 4), now]), flicker=1.0)
+    return store.surfaces(t_us, np.stack([np.eye(3, 4), now]), 1.0, PROJECTION)
 
 
 def view_at(x_m: float = 0.0, y_m: float = 0.0, z_m: float = MOVER_M) -> F64:

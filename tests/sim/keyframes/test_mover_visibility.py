@@ -76,12 +76,6 @@ def test_only_vehicles_have_wheels() -> None:
     assert not any(bodies for name, bodies in wheels.items() if name != "target")
 
 
-def test_labels_of_parts_are_converted_to_those_of_bodies() -> None:
-    parts = MoverParts(np.zeros(0, np.int32), np.array([0, 1, 2, 1], np.int32))
-    label = np.array([[NO_LABEL, 3], [2, 1]], np.int32)
-    np.testing.assert_array_equal(parts.to_bodies(label), [[NO_LABEL, 1], [2, 1]])
-
-
 @pytest.mark.parametrize("direction", [Direction.RIGHT, Direction.UP])
 def test_an_objects_rectangle_holds_every_subpixel_that_it_covers(direction: Direction) -> None:
     scene = scene_with(direction=direction, lighting=Lighting.DUSK)

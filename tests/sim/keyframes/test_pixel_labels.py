@@ -4,16 +4,42 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim.keyframes.pixel_labels import EDGE, dilate, mark_edges, pixel_labels
+from sim.keyframes.pixel_labels import EDGE, dilate, label_pixels, mark_edges
 from sim.shadows.shadows_and_beams import MAX_SHADOWS
 
 I32 = npt.NDArray[np.int32]
+Bools = npt.NDArray[np.bool_]
+
+
+def whole(image: npt.NDArray[np.generic]) -> tuple[int, int, int, int]:
+    return 0, 0, image.shape[1], image.shape[0]
+
+
+def marked(label: I32, beams: npt.NDArray[np.int64] | None = None) -> Bools:
+    found, lit = np.empty(label.shape, bool), np.zeros(label.shape, np.int64)
+    rectangle = whole(label)
+    mark_edges(label, lit if beams is None else beams, rectangle, found, np.empty_like(found))
+    return found
+
+
+def dilated(image: Bools) -> Bools:
+    found = np.empty_like(image)
+    dilate(image, whole(image), found)
+    return found
 
 
 def test_a_pixel_has_the_label_that_its_subpixels_share_and_is_an_edge_otherwise() -> None:
     label = np.full((4, 6), -1, np.int32)
     label[:2, 2:4], label[2:, 3:] = 7, 5
-    assert pixel_labels(label, 2).tolist() == [[-1, 7, -1], [-1, EDGE, 5]]
+    found = np.zeros((2, 3), np.int32)
+    label_pixels(label, 2, whole(found), found)
+    assert found.tolist() == [[-1, 7, -1], [-1, EDGE, 5]]
+
+
+def test_only_the_rectangle_is_written() -> None:
+    found = np.full((2, 3), 9, np.int32)
+    label_pixels(np.full((4, 6), -1, np.int32), 2, (1, 0, 2, 2), found)
+    assert found.tolist() == [[9, -1, 9], [9, -1, 9]]
 
 
 def test_an_edge_and_all_its_neighbours_are_marked() -> None:
@@ -21,7 +47,7 @@ def test_an_edge_and_all_its_neighbours_are_marked() -> None:
     label[3, 4] = EDGE
     expected = np.zeros(label.shape, bool)
     expected[2:5, 3:6] = True
-    assert np.array_equal(mark_edges(label, np.zeros(label.shape, np.float32)), expected)
+    assert np.array_equal(marked(label), expected)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -31,23 +57,20 @@ def test_pixels_where_two_labels_meet_are_marked(axis: int) -> None:
     expected = np.zeros(label.shape, bool)
     expected[2:4] = True
     if axis == 1:
-        label, expected = label.T.copy(), expected.T
-    assert np.array_equal(mark_edges(label, np.zeros(label.shape, np.float32)), expected)
+        label, expected = label.T.copy(), expected.T.copy()
+    assert np.array_equal(marked(label), expected)
 
 
 def test_pixels_in_and_beside_beams_are_marked() -> None:
-    lux = np.zeros((5, 9), np.float32)
-    lux[2, 4] = 3.0
-    marked = mark_edges(np.full(lux.shape, -1, np.int32), lux)
-    assert np.array_equal(marked, dilate(lux > 0))
+    beams = np.zeros((5, 9), np.int64)
+    beams[2, 4] = 2
+    assert np.array_equal(marked(np.full(beams.shape, -1, np.int32), beams), dilated(beams > 0))
 
 
 def test_dilation_stops_at_the_border() -> None:
-    marked = np.zeros((3, 4), bool)
-    marked[0, 3] = True
-    expected = np.zeros((3, 4), bool)
-    expected[:2, 2:] = True
-    assert np.array_equal(dilate(marked), expected)
+    corner, expected = np.zeros((3, 4), bool), np.zeros((3, 4), bool)
+    corner[0, 3] = expected[:2, 2:] = True
+    assert np.array_equal(dilated(corner), expected)
 
 
 def test_no_combination_of_shadows_has_the_label_of_an_edge() -> None:

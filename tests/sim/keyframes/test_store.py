@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from sim.geometry.pinhole import Projection
 from sim.keyframes.store import Keyframe, KeyframeStore, Patch, cut_patches
 from sim.raster.aperture import LENS_BLUR_PX, to_grid
 from sim.scene.moving_objects import MovingObject
@@ -13,6 +14,7 @@ F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 
 SUPERSAMPLE, CORNER_PX = 3, (4, 7)
+PROJECTION = Projection(50.0, 30.0, 20.0)
 VIEWS = {part: np.full((3, 4), float(part)) for part in (2, 5, 6)}
 
 
@@ -106,16 +108,16 @@ def test_two_keyframes_are_weighted_linearly_in_time(
 ) -> None:
     store = TwoObjects().store
     store.advance(t_us)
-    surfaces = store.surfaces(t_us, VIEWS_NOW, flicker=1.0)
+    surfaces = store.surfaces(t_us, VIEWS_NOW, 1.0, PROJECTION)
     np.testing.assert_allclose(surfaces.weights[1:3], [weights, (1, 0)])
     for key, luminance in enumerate(luminances):
         start, x0, y0, width, height = surfaces.patches[1, key]
         assert (x0, y0, width, height) == (7, 9, 3, 2)
-        np.testing.assert_array_equal(surfaces.luminance[start : start + 6], luminance)
+        np.testing.assert_array_equal(surfaces.grid[start : start + 6, 0], luminance)
     start = surfaces.patches[2, 0, 0]
-    np.testing.assert_array_equal(surfaces.luminance[start : start + 6], 300)
+    np.testing.assert_array_equal(surfaces.grid[start : start + 6, 0], 300)
     assert surfaces.patches[1, len(luminances) :, 3].sum() == surfaces.patches[2, 1, 3] == 0
-    assert surfaces.luminance.shape == surfaces.coverage.shape
+    assert (surfaces.grid[:, 1] == 0.5).all()
 
 
 def test_each_keyframe_is_rendered_once() -> None:
@@ -129,17 +131,19 @@ def test_flicker_scales_only_the_flickering_layer() -> None:
     store = TwoObjects(layers=2).store
     store.advance(0)
     for flicker in (1.0, 0.0, 1.5, 1.0):
-        surfaces = store.surfaces(0, VIEWS_NOW, flicker)
+        surfaces = store.surfaces(0, VIEWS_NOW, flicker, PROJECTION)
         start = surfaces.patches[2, 0, 0]
-        assert surfaces.luminance[start] == pytest.approx(300 + 10 * flicker)
+        assert surfaces.grid[start, 0] == pytest.approx(300 + 10 * flicker)
 
 
-def test_transforms_lead_from_the_present_view_to_the_keyframes_view() -> None:
+def test_matrices_lead_from_the_image_to_the_patch() -> None:
     """A body that moved 2 m to the right is found 2 m farther left in its keyframe."""
     store = TwoObjects().store
     store.advance(0)
     views = VIEWS_NOW.copy()
     views[1, 0, 3] = 2.0
-    surfaces = store.surfaces(0, views, flicker=1.0)
-    np.testing.assert_allclose(surfaces.transforms[2] @ [0, 0, 5, 1], [-2, 0, 5])
-    np.testing.assert_allclose(surfaces.transforms[4] @ [0, 0, 5, 1], [0, 0, 5])
+    surfaces = store.surfaces(0, views, 1.0, PROJECTION)
+    for row, x_m in ((1, -2.0), (2, 0.0)):
+        x, y, z = surfaces.matrices[row, 0] @ [30, 20, 1, 1 / 5]  # on the optical axis, 5 m away
+        assert x / z == pytest.approx(30 + 50 * x_m / 5 - 0.5 - 7)
+        assert y / z == pytest.approx(20 - 0.5 - 9)

@@ -11,6 +11,7 @@ from tests.sim.flat_background import LENS, composited, effects, flat_background
 from tests.sim.keyframed_mover import (
     BACKGROUND_M,
     MOVER_M,
+    PROJECTION,
     even_surface,
     label_of_shape,
     nearness_of,
@@ -116,7 +117,7 @@ def test_the_albedo_of_a_wheel_rotates_with_it_and_its_illumination_does_not() -
     sine_and_cosine = np.column_stack([np.diag([-1.0, -1.0, 1.0]), [0, 0, MOVER_M]])
     background = flat_background(BACKGROUND_M, np.array([10.0]), supersample=size)
     views = np.stack([np.eye(3, 4), sine_and_cosine, view_at()])
-    surfaces = store.surfaces(500, views, flicker=1.0)
+    surfaces = store.surfaces(500, views, 1.0, PROJECTION)
     image = composited(background, effects(1.0), surfaces, label, nearness_of(label))
     for off in (-8, -3, 0, 5, 9):
         wanted = (0.3 - 0.01 * (off + 0.5)) * (100 + 2 * (off + 0.5))

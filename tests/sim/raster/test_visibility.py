@@ -5,11 +5,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
-from sim.geometry.rigid_transform import body_poses, compose_transforms
-from sim.raster.scan_conversion import NO_LABEL, project_triangles, rasterise
+from sim.geometry.pinhole import Intrinsics, Pose
+from sim.geometry.rigid_transform import body_poses
+from sim.raster.scan_conversion import NO_LABEL
 from sim.raster.triangles import TriangleSoup, triangle_soup
-from sim.raster.visibility import VisibilityMap, overlay_movers, visibility_map
+from sim.raster.visibility import visibility_map
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
@@ -61,54 +61,3 @@ def test_an_earlier_map_is_kept_and_hides_what_is_behind_it(
         np.testing.assert_array_equal(both.body, at_once.body)
         np.testing.assert_array_equal(both.nearness, at_once.nearness)
         np.testing.assert_array_equal(before.body, kept)
-
-
-@pytest.mark.parametrize("rectangle", [(0, 0, 60, 40), (13, 5, 47, 38)])
-@pytest.mark.parametrize("size", [1, 3, 5])
-def test_overlaying_subpixels_gives_the_map_of_all_triangles(
-    world: tuple[TriangleSoup, npt.NDArray[np.float64]],
-    size: int,
-    rectangle: tuple[int, int, int, int],
-) -> None:
-    soup, poses = world
-    static, movers = soup.of_bodies([0]), soup.of_bodies([1, 2])
-    label, nearness = rasterise_subpixels(static, movers, poses, rectangle, size)
-    shown = visibility_map(static, poses, POSE, LENS)
-    overlay_movers(shown, label, nearness, rectangle, size)
-    wanted = visibility_map(soup, poses, POSE, LENS)
-    x0, y0, x1, y1 = rectangle
-    part = np.s_[y0:y1, x0:x1]
-    np.testing.assert_array_equal(shown.body[part], wanted.body[part])
-    np.testing.assert_allclose(shown.nearness[part], wanted.nearness[part], rtol=1e-5)
-    outside = np.ones(shown.body.shape, bool)
-    outside[part] = False
-    assert (shown.body[outside] <= 0).all()
-
-
-def rasterise_subpixels(
-    static: TriangleSoup,
-    movers: TriangleSoup,
-    poses: npt.NDArray[np.float64],
-    rectangle: tuple[int, int, int, int],
-    size: int,
-) -> tuple[I32, F32]:
-    """Return label and nearness of the movers where nothing static is nearer."""
-    x0, y0, x1, y1 = (size * edge for edge in rectangle)
-    nearness = np.zeros((y1 - y0, x1 - x0), np.float32)
-    label = np.full(nearness.shape, NO_LABEL, np.int32)
-    for soup in (static, movers):
-        label.fill(NO_LABEL)
-        triangles = soup.transformed(compose_transforms(poses, POSE.world_to_camera))
-        centre = LENS.width * size / 2, LENS.height * size / 2
-        projected, source = project_triangles(triangles, LENS.focal_px * size, *centre, NEAR_M)
-        rasterise(projected, soup.body[source], x0, y0, nearness, label, True)
-    return label, nearness
-
-
-def test_with_even_supersampling_the_subpixel_after_the_centre_is_taken() -> None:
-    visible = VisibilityMap(np.zeros((2, 2), np.int32), np.ones((2, 2), np.float32))
-    label = np.full((8, 8), NO_LABEL, np.int32)
-    label[2, 6] = 5
-    overlay_movers(visible, label, np.full((8, 8), 2, np.float32), (0, 0, 2, 2), 4)
-    np.testing.assert_array_equal(visible.body, [[0, 5], [0, 0]])
-    np.testing.assert_array_equal(visible.nearness, [[1, 2], [1, 1]])

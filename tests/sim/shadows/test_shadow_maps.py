@@ -8,6 +8,7 @@ import pytest
 
 from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rigid_transform import body_poses, compose_transforms, inverse_transform
+from sim.raster.shared_corners import share_corners
 from sim.raster.triangles import triangle_soup
 from sim.scene.moving_objects import MovingObject, moving_object
 from sim.shadows.shadow_maps import (
@@ -46,6 +47,7 @@ class World:
         mujoco.mj_camlight(self.model, self.data)
         self.box: MovingObject = moving_object(self.model, "box", "box", 1)
         self.half_m, self.soup = half_m, triangle_soup(self.model)
+        self.shared = share_corners(self.soup)
 
     def source(self, light: int) -> ShadowSource:
         return shadow_sources(self.model, self.data, np.array([light]))[0]
@@ -54,7 +56,7 @@ class World:
         """Return the share of a light that ground at some height gets, seen from straight above."""
         maps = np.full((1, MAP_SIDE, MAP_SIDE), np.nan, np.float32)
         poses, source = body_poses(self.data), self.source(light)
-        made = render_shadow_map(source, self.box, self.soup, self.data, poses, maps[0])
+        made = render_shadow_map(source, self.box, self.shared, self.data, poses, maps[0])
         assert made is not None
         shadow = effects(
             1.0,
@@ -143,7 +145,7 @@ def test_an_object_behind_a_lamp_casts_no_shadow(world: World) -> None:
     down = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 3.0]), is_sun=False)
     up = ShadowSource(np.eye(3), np.array([0.0, 0.0, 3.0]), is_sun=False)
     out, poses = np.empty((MAP_SIDE, MAP_SIDE), np.float32), body_poses(world.data)
-    args = world.box, world.soup, world.data, poses, out
+    args = world.box, world.shared, world.data, poses, out
     assert render_shadow_map(up, *args) is None
     assert render_shadow_map(down, *args) is not None
 
@@ -154,7 +156,7 @@ def test_maps_fit_objects_of_any_size(half_m: float) -> None:
     world = World(np.array([half_m, half_m, 0.1]), turn_deg=0.0)
     sun = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.zeros(3), is_sun=True)
     out = np.empty((MAP_SIDE, MAP_SIDE), np.float32)
-    made = render_shadow_map(sun, world.box, world.soup, world.data, body_poses(world.data), out)
+    made = render_shadow_map(sun, world.box, world.shared, world.data, body_poses(world.data), out)
     assert made is not None
     rows, columns = made.size
     assert max(rows, columns) <= MAP_SIDE
@@ -166,7 +168,7 @@ def test_maps_fit_objects_of_any_size(half_m: float) -> None:
 
 @pytest.mark.parametrize("light", [SUN, LAMP])
 def test_an_object_without_casting_triangles_has_no_map(world: World, light: int) -> None:
-    none, out = world.soup.of_bodies([]), np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
+    none, out = share_corners(world.soup.of_bodies([])), np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
     poses = body_poses(world.data)
     source = world.source(light)
     assert render_shadow_map(source, world.box, none, world.data, poses, out) is None

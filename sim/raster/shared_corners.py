@@ -1,0 +1,121 @@
+"""Triangles of moving bodies whose shared corners are moved and projected only once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from flybench.kernels import compiled
+from sim.raster.scan_conversion import clip_triangle
+from sim.raster.triangles import TriangleSoup
+
+F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class SharedCorners:
+    """The corners of a triangle soup, each once.
+
+    Attributes:
+        corners_m: (n, 3) float64 positions in the frames of their bodies [m].
+        body: (n,) int32 number of the body that each corner belongs to.
+        faces: (m, 3) int32 corners of each triangle, in the order of the soup.
+    """
+
+    corners_m: F64
+    body: I32
+    faces: I32
+
+
+def share_corners(soup: TriangleSoup) -> SharedCorners:
+    """Return the corners of a soup, of which equal ones of a body are merged."""
+    corners = np.column_stack([soup.triangles_m.reshape(-1, 3), np.repeat(soup.body, 3)])
+    unique, faces = np.unique(corners, axis=0, return_inverse=True)
+    return SharedCorners(
+        np.ascontiguousarray(unique[:, :3]),
+        unique[:, 3].astype(np.int32),
+        faces.reshape(-1, 3).astype(np.int32),
+    )
+
+
+@compiled
+def move_corners(corners: F64, body: I32, transforms: F64) -> F64:
+    """Apply to each corner the rigid transform of its body.
+
+    Args:
+        corners: (n, 3) in their bodies' frames [m].
+        body: (n,) number of the body that each corner belongs to.
+        transforms: (bodies, 3, 4) rotation and translation of each body.
+
+    Returns:
+        (n, 3) transformed corners.
+    """
+    out = np.empty_like(corners)
+    for k in range(len(corners)):
+        b = body[k]
+        x, y, z = corners[k, 0], corners[k, 1], corners[k, 2]
+        for axis in range(3):
+            out[k, axis] = (
+                transforms[b, axis, 0] * x
+                + transforms[b, axis, 1] * y
+                + transforms[b, axis, 2] * z
+                + transforms[b, axis, 3]
+            )
+    return out
+
+
+@compiled
+def project_faces(
+    corners: F64, faces: I32, focal: float, centre_x: float, centre_y: float, near: float
+) -> tuple[F64, I32]:
+    """Project triangles and clip them at the near plane.
+
+    Args:
+        corners: (n, 3) corners in the camera's frame: right, down, forward [m].
+        faces: (m, 3) corners of each triangle.
+        focal: focal length [grid points].
+        centre_x: column where the optical axis meets the grid [grid points].
+        centre_y: row where the optical axis meets the grid [grid points].
+        near: distance of the near plane [m].
+
+    Returns:
+        As `sim.raster.scan_conversion.project_triangles`.
+    """
+    projected, clipped, cut = np.empty_like(corners), np.empty((4, 3)), np.empty((1, 3, 3))
+    for k in range(len(corners)):
+        _project(corners[k], focal, centre_x, centre_y, projected[k])
+    out, source = np.empty((2 * len(faces), 3, 3)), np.empty(2 * len(faces), np.int32)
+    count = 0
+    for t in range(len(faces)):
+        inside = 0
+        for i in range(3):
+            inside += corners[faces[t, i], 2] >= near
+        if inside == 3:
+            for i in range(3):
+                for axis in range(3):
+                    out[count, i, axis] = projected[faces[t, i], axis]
+            source[count] = t
+            count += 1
+        elif inside > 0:
+            for i in range(3):
+                cut[0, i] = corners[faces[t, i]]
+            size = clip_triangle(cut, 0, near, clipped)
+            for fan in range(size - 2):
+                for i in range(3):
+                    k = 0 if i == 0 else fan + i
+                    _project(clipped[k], focal, centre_x, centre_y, out[count, i])
+                source[count] = t
+                count += 1
+    return out[:count], source[:count]
+
+
+@compiled
+def _project(corner: F64, focal: float, centre_x: float, centre_y: float, out: F64) -> None:
+    """Set x, y [grid points] and 1/depth [1/m] of a corner in the camera's frame."""
+    nearness = 1.0 / corner[2]
+    out[0] = centre_x + focal * corner[0] * nearness
+    out[1] = centre_y + focal * corner[1] * nearness
+    out[2] = nearness
