@@ -32,6 +32,7 @@ from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.free_memory import return_large_blocks
 from sim.render.luminance_model import luminance_model
+from sim.render.renderer_thread import RendererThread
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene, build_scene
 from sim.shadows.shadows_and_beams import AffectedAreaFinder
@@ -226,9 +227,9 @@ class Crossing:
         """
         model = luminance_model(self.scene.model)
         lens = steady_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
-        with FilamentRenderer(model, lens) as renderer:
+        with RendererThread(model, lens) as thread:
             reprojection = Reprojection(
-                renderer,
+                thread,
                 model,
                 self.scene,
                 self.intrinsics,

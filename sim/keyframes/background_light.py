@@ -17,6 +17,7 @@ from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 I64 = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 
 @compiled
@@ -30,7 +31,7 @@ def light_pixel_centres(
     """Find the light that reaches the background at the pixel centres of a rectangle.
 
     Args:
-        canvas: `lit` and `beams` are set; shadows are added to `pixel_label`, see `_add_shadow`.
+        canvas: `lit` and `in_beam` are set; shadows are added to `pixel_label`, see `_add_shadow`.
         background: the static background.
         effects: shadows and beams at this time.
         projection: projection of the camera.
@@ -38,7 +39,7 @@ def light_pixel_centres(
     """
     x0, y0, x1, y1 = rectangle
     canvas.lit[:, y0:y1, x0:x1] = 1.0
-    canvas.beams[y0:y1, x0:x1] = 0
+    canvas.in_beam[y0:y1, x0:x1] = False
     for shadow in range(len(effects.light)):
         _add_shadow(canvas, background.depth, effects, shadow, projection, rectangle)
     for beam in range(len(effects.beams)):
@@ -96,20 +97,19 @@ def _add_beam(
     projection: Projection,
     rectangle: Rectangle,
 ) -> None:
-    """Set a beam's bit of `canvas.beams` where it lights the background at the pixel centre."""
+    """Set `canvas.in_beam` where a beam lights the background at the pixel centre."""
     focal, centre_x, centre_y = projection
     beams, range_m, area = effects.beams, effects.beam_range_m, effects.beam_areas[beam]
     depth, normals = background.depth, background.normals
     for row in range(max(area[1], rectangle[1]), min(area[3], rectangle[3])):
         for column in range(max(area[0], rectangle[0]), min(area[2], rectangle[2])):
             i, j = np.uintp(row), np.uintp(column)
-            if canvas.pixel_label[i, j] >= 0:
+            if canvas.pixel_label[i, j] >= 0 or canvas.in_beam[i, j]:
                 continue
             z = depth[i, j]
             x, y = (column + 0.5 - centre_x) / focal * z, (row + 0.5 - centre_y) / focal * z
             n_x, n_y, n_z = normals[i, j, 0], normals[i, j, 1], normals[i, j, 2]
-            if beam_lux(beams, beam, range_m, x, y, z, n_x, n_y, n_z) > 0.0:
-                canvas.beams[i, j] |= 1 << beam
+            canvas.in_beam[i, j] = beam_lux(beams, beam, range_m, x, y, z, n_x, n_y, n_z) > 0.0
 
 
 @compiled
@@ -147,7 +147,7 @@ def light_subpixels(
                 factors[1 + light] = effects.gains[1 + light]
                 if not uneven[light]:
                     factors[1 + light] *= canvas.lit[light, row, column]
-            beams = _beams_around(canvas.beams, row, column, rectangle)
+            in_beam = _near_beam(canvas.in_beam, row, column, rectangle)
             shadows = 0
             for shadow in range(len(effects.light)):
                 area = effects.shadow_areas[shadow]
@@ -155,7 +155,7 @@ def light_subpixels(
                 if here and uneven[effects.light[shadow]]:
                     active[shadows] = shadow
                     shadows += 1
-            if shadows == 0 and beams == 0:
+            if shadows == 0 and not in_beam:
                 _light_evenly(canvas, background, factors, row, column, supersample)
             else:
                 _light_pointwise(
@@ -165,7 +165,7 @@ def light_subpixels(
                     projection,
                     factors,
                     active[:shadows],
-                    beams,
+                    in_beam,
                     row,
                     column,
                     supersample,
@@ -200,7 +200,7 @@ def _light_pointwise(
     projection: Projection,
     factors: npt.NDArray[np.float64],
     active: I64,
-    beams: int,
+    in_beam: bool,
     row: int,
     column: int,
     supersample: int,
@@ -214,7 +214,7 @@ def _light_pointwise(
         projection: projection of the camera.
         factors: (1 + lights,) factor of each layer where no shadow falls.
         active: numbers of the shadows that may end in the pixel.
-        beams: bit k is set if beam k may light the pixel.
+        in_beam: True if beams may light the pixel.
         row: row of the pixel.
         column: column of the pixel.
         supersample: sub-pixels per pixel and axis.
@@ -243,19 +243,19 @@ def _light_pointwise(
             for light in range(1, len(factors)):
                 value += factors[light] * share[light] * layers[v, u, np.uintp(light)]
             lux = 0.0
-            for k in range(len(effects.beams)):
-                if beams >> k & 1:
+            if in_beam:
+                for k in range(len(effects.beams)):
                     lux += beam_lux(effects.beams, k, effects.beam_range_m, x, y, z, n_x, n_y, n_z)
             canvas.background[v, u] = value + lux * background.subpixel_albedo[v, u]
 
 
 @inlined
-def _beams_around(beams: I64, row: int, column: int, rectangle: Rectangle) -> int:
-    """Return the beams that light a pixel or one of its neighbours in a rectangle."""
-    found = 0
+def _near_beam(in_beam: Bools, row: int, column: int, rectangle: Rectangle) -> bool:
+    """Return True if a beam lights a pixel or one of its neighbours in a rectangle."""
+    found = False
     for i in range(max(row - 1, rectangle[1]), min(row + 2, rectangle[3])):
         for j in range(max(column - 1, rectangle[0]), min(column + 2, rectangle[2])):
-            found |= beams[np.uintp(i), np.uintp(j)]
+            found |= in_beam[np.uintp(i), np.uintp(j)]
     return found
 
 

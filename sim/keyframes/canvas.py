@@ -14,7 +14,6 @@ from sim.raster.scan_conversion import NO_LABEL
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
-I64 = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 
@@ -28,7 +27,7 @@ class Canvas(NamedTuple):
         pixel_label: (height, width) int32 what each pixel shows; see `sim.keyframes.pixel_labels`.
         lit: (layers - 1, height, width) float32 share of each layer but the first that reaches the
             background.
-        beams: (height, width) int64, bit k is set if beam k lights the background.
+        in_beam: (height, width) bool, True where a beam lights the background.
         marked: (height, width) bool, pixels that are drawn from their sub-pixels.
         scratch: (height, width) bool.
         background: (rows, columns) float32 luminance of the background's sub-pixels near marked
@@ -40,7 +39,7 @@ class Canvas(NamedTuple):
     nearness: F32
     pixel_label: I32
     lit: F32
-    beams: I64
+    in_beam: Bools
     marked: Bools
     scratch: Bools
     background: F32
@@ -55,7 +54,7 @@ def blank_canvas(background: Background) -> Canvas:
         nearness=background.subpixel_nearness.copy(),
         pixel_label=np.full(size, NO_LABEL, np.int32),
         lit=np.ones((len(background.pixels) - 1, *size), np.float32),
-        beams=np.zeros(size, np.int64),
+        in_beam=np.zeros(size, np.bool_),
         marked=np.zeros(size, np.bool_),
         scratch=np.zeros(size, np.bool_),
         background=np.zeros(background.subpixel_nearness.shape, np.float32),

@@ -80,7 +80,7 @@ def composite(
     supersample = len(seen.weights) // 3
     label_pixels(canvas.label, supersample, rectangle, canvas.pixel_label)
     light_pixel_centres(canvas, background, effects, projection, rectangle)
-    mark_edges(canvas.pixel_label, canvas.beams, rectangle, canvas.marked, canvas.scratch)
+    mark_edges(canvas.pixel_label, canvas.in_beam, rectangle, canvas.marked, canvas.scratch)
     dilate(canvas.marked, rectangle, canvas.scratch)
     light_subpixels(canvas, background, effects, projection, rectangle, supersample)
     _fill_uniform_pixels(canvas, background, effects.gains, surfaces, rectangle, supersample)

@@ -17,7 +17,6 @@ from flybench.kernels import compiled
 from sim.geometry.rectangles import Rectangle
 
 I32 = npt.NDArray[np.int32]
-I64 = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 EDGE = -(1 << 30)
@@ -48,7 +47,7 @@ def label_pixels(label: I32, supersample: int, rectangle: Rectangle, pixel_label
 
 @compiled
 def mark_edges(
-    pixel_label: I32, beams: I64, rectangle: Rectangle, marked: Bools, scratch: Bools
+    pixel_label: I32, in_beam: Bools, rectangle: Rectangle, marked: Bools, scratch: Bools
 ) -> None:
     """Mark the pixels of a rectangle whose sub-pixels must be weighted one by one.
 
@@ -57,7 +56,7 @@ def mark_edges(
 
     Args:
         pixel_label: (height, width) labels of the pixels.
-        beams: (height, width) beams that light each pixel; 0 for none.
+        in_beam: (height, width) bool, pixels that a beam lights.
         rectangle: x0, y0, x1, y1 [px].
         marked: (height, width) bool, set.
         scratch: (height, width) bool, overwritten.
@@ -68,8 +67,8 @@ def mark_edges(
             at, left, right = column, max(column - 1, x0), min(column + 1, x1 - 1)
             own = pixel_label[row, at]
             alike = (pixel_label[row, left] == own) & (pixel_label[row, right] == own)
-            lit = beams[row, left] | beams[row, at] | beams[row, right]
-            scratch[row, at] = (not alike) | (own == EDGE) | (lit != 0)
+            lit = in_beam[row, left] | in_beam[row, at] | in_beam[row, right]
+            scratch[row, at] = (not alike) | (own == EDGE) | lit
     for row in range(y0, y1):
         above, below = max(row - 1, y0), min(row + 1, y1 - 1)
         for column in range(x0, x1):

@@ -11,67 +11,47 @@ of these. The image of a shaking camera is that of a steady camera, rotated
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.cache.key import background_key
 from sim.cache.luminance_cache import LuminanceCache
 from sim.geometry.pinhole import Intrinsics, Projection
 from sim.geometry.rectangles import (
     Rectangle,
-    enclosing_rectangle,
     image_rectangle,
     merge_overlapping,
-    rectangle_around,
 )
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.keyframes.background import (
-    Background,
-    BackgroundLight,
-    background_nearness,
     background_of,
-    render_light,
 )
 from sim.keyframes.canvas import blank_canvas, show_bodies, wipe
 from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
-from sim.keyframes.rendering import KeyframeRenderer
+from sim.keyframes.renderings import Renderings
 from sim.keyframes.rotation_warp import rotated_image
 from sim.keyframes.steady_lens import SHAKE_SCALE
 from sim.keyframes.store import KeyframeStore
 from sim.raster.aperture import (
     LENS_BLUR_PX,
-    blur_before_interpolation_px,
 )
 from sim.raster.scan_conversion import rasterise
 from sim.raster.triangles import triangle_soup
 from sim.raster.visibility import visibility_map
-from sim.render.filament import FilamentRenderer, Luminance
-from sim.scene.lamp_flicker import FlickeringLamps, changed_lights
+from sim.render.filament import Luminance
+from sim.render.renderer_thread import RendererThread
+from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene
 from sim.shadows.shadows_and_beams import AffectedAreaFinder, ShadowBeamRenderer
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
-
-SHAKE_OVERSAMPLE = 2
-"""Rendered samples per sub-pixel and axis in the background of a shaking camera. An edge that is
-slightly misplaced causes events much too late, because shake moves the image slowly (measured
-against 16×16: of the events by day, 87 % instead of 82 % match within 2 ms)."""
-KEYFRAME_OVERSAMPLE = 2
-"""Rendered samples per sub-pixel and axis in the keyframes of a steady camera. Without it, a line
-about as thin as a sub-pixel is too wide or missing as long as the keyframe is used (measured
-against 6×6 in 55 pieces: 86 % instead of 83 % match within 0.2 ms, and the error in the number of
-events is 1.4 % instead of 1.9 %). The keyframes of a shaking camera are not oversampled: their lens
-blur is applied later, so that the blur of averaging and of interpolation cannot be subtracted from
-it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +76,7 @@ class Reprojection:
 
     def __init__(
         self,
-        renderer: FilamentRenderer,
+        thread: RendererThread,
         model: mujoco.MjModel,
         scene: Scene,
         lens: Intrinsics,
@@ -111,7 +91,7 @@ class Reprojection:
         """Render the static background and plan the keyframes.
 
         Args:
-            renderer: renderer of `model`, with the lens from `sim.keyframes.steady_lens`.
+            thread: renderer of `model`, with the lens from `sim.keyframes.steady_lens`.
             model: luminance model of the scene.
             scene: the scene: what moves, and how.
             lens: intrinsics of the camera.
@@ -122,8 +102,8 @@ class Reprojection:
             step_px: maximum displacement of anything from one sample to the next [px].
             cache: where the rendered background is kept for other sequences; None: nowhere.
         """
-        self._renderer, self._model, self._scene = renderer, model, scene
-        self._wide, self._lens, self._seconds = renderer.intrinsics, lens, seconds
+        self._scene = scene
+        self._wide, self._lens, self._seconds = thread.renderer.intrinsics, lens, seconds
         self._scale = SHAKE_SCALE if scene.shake else 1
         self._supersample, self._pose = -(-supersample // self._scale), scene.pose
         self._blur_px = 0.0 if scene.shake else LENS_BLUR_PX
@@ -154,11 +134,17 @@ class Reprojection:
             spacing_px=spacing_px * self._scale,
             stride=max(int(PLAN_STEP_PX / step_px), 1),
         )
-        self._background = self._make_background(affected, cache)
+        renderings = Renderings(
+            thread, model, scene, seconds, self._areas, self._raster, self._static, self._flickering
+        )
+        light = renderings.background(affected, cache)
+        data = self._data, self._pose, self._static
+        size = self._supersample, self._blur_px
+        self._background = background_of(light, self._wide, *data, *size)
         self._keyframes = KeyframeStore(
             plan,
             scene.objects,
-            self._keyframe_renderer().render,
+            renderings.request,
             carriers=parts.body,
             per_pixel=self._supersample,
         )
@@ -239,76 +225,3 @@ class Reprojection:
             gains[1:-1][np.isin(lights, self._flickering.lights)] = flicker
             gains[-1] = flicker
         return gains
-
-    def _keyframe_renderer(self) -> KeyframeRenderer:
-        supersample = self._supersample * (1 if self._scene.shake else KEYFRAME_OVERSAMPLE)
-        return KeyframeRenderer(
-            self._renderer,
-            self._model,
-            self._data,
-            self._place,
-            replace(self._raster, supersample=supersample),
-            self._scene.objects,
-            self._flickering,
-            background_nearness(self._wide, self._data, self._pose, self._static, supersample),
-            0.0 if self._scene.shake else blur_before_interpolation_px(self._supersample),
-            self._supersample,
-        )
-
-    def _make_background(
-        self, affected: list[Rectangle], cache: LuminanceCache | None
-    ) -> Background:
-        """Return the scene without its moving objects, from the cache if it has it."""
-        spare, span = math.ceil(2 * PLAN_STEP_PX), np.array(enclosing_rectangle(affected))
-        rectangle = rectangle_around(span[:2] - spare, span[2:] + spare, self._wide)
-        rectangle = rectangle or (0, 0, 1, 1)
-
-        def rendered() -> bytes:
-            return self._render_light(rectangle).to_bytes()
-
-        if cache is None:
-            light = self._render_light(rectangle)
-        else:
-            key = background_key(
-                self._scene.config,
-                self._wide,
-                self._pose,
-                rectangle=rectangle,
-                supersample=self._supersample,
-                oversample=self._oversample,
-                with_albedo=bool(self._areas.beams.size),
-            )
-            light = BackgroundLight.from_bytes(cache.get_or_make(key, rendered))
-        return background_of(
-            light,
-            self._wide,
-            self._data,
-            self._pose,
-            self._static,
-            self._supersample,
-            self._blur_px,
-        )
-
-    @property
-    def _oversample(self) -> int:
-        return SHAKE_OVERSAMPLE if self._scene.shake else 1
-
-    def _render_light(self, rectangle: Rectangle) -> BackgroundLight:
-        """Render the scene without its moving objects."""
-        geoms = [int(g) for o in self._scene.objects for g in o.geoms]
-        off = {int(k): 0.0 for k in self._areas.beams}
-        bodies = np.concatenate([o.bodies for o in self._scene.objects])
-        sites = np.flatnonzero(np.isin(self._model.site_bodyid, bodies))  # they mark the lamps
-        with changed_lights(self._model, off), self._renderer.hidden(geoms, sites):
-            return render_light(
-                self._renderer,
-                self._model,
-                self._data,
-                self._pose,
-                self._areas.shadow_lights,
-                self._flickering,
-                rectangle,
-                self._supersample,
-                self._oversample,
-                with_albedo=bool(self._areas.beams.size),
-            )

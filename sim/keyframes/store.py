@@ -9,6 +9,7 @@ its illumination in the vehicle's.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -70,7 +71,7 @@ class KeyframeStore:
         self,
         plan: dict[str, list[int]],
         objects: tuple[MovingObject, ...],
-        render: Callable[[MovingObject, int], Keyframe],
+        request: Callable[[MovingObject, int], Future[Keyframe]],
         *,
         carriers: I32,
         per_pixel: int,
@@ -80,19 +81,24 @@ class KeyframeStore:
         Args:
             plan: times of the keyframes [µs], by object name; see `sim.keyframes.plan`.
             objects: the moving objects.
-            render: renders an object's keyframe at a time [µs].
+            request: asks for an object's keyframe at a time [µs]; called in the order of the plan,
+                for one keyframe more than is needed.
             carriers: (parts,) number of the body that each part moves with.
             per_pixel: grid points of a patch per pixel and axis.
         """
-        self._plan, self._objects, self._render = plan, objects, render
+        self._plan, self._objects, self._request = plan, objects, request
         self._carriers, self._per_pixel = carriers, per_pixel
         self._keys: dict[str, list[Keyframe]] = {o.name: [] for o in objects}
+        self._requested: dict[tuple[str, int], Future[Keyframe]] = {}
         self._packed: Surfaces | None = None
         self._flickering: F32 | None = None
         self._steady: F32 | None = None
 
     def advance(self, t_us: int) -> None:
-        """Render the keyframes before and after a time; times must not decrease."""
+        """Wait for the keyframes before and after a time, and request those after them.
+
+        Times must not decrease.
+        """
         for obj in self._objects:
             plan, keys = self._plan[obj.name], self._keys[obj.name]
             before = max(int(np.searchsorted(plan, t_us, side="right")) - 1, 0)
@@ -100,7 +106,13 @@ class KeyframeStore:
             if wanted == [key.t_us for key in keys]:
                 continue
             have = {key.t_us: key for key in keys}
-            self._keys[obj.name] = [have.get(t) or self._render(obj, t) for t in wanted]
+            for key_us in plan[before : before + 3]:
+                if key_us not in have and (obj.name, key_us) not in self._requested:
+                    self._requested[obj.name, key_us] = self._request(obj, key_us)
+            self._keys[obj.name] = [
+                have.get(key_us) or self._requested.pop((obj.name, key_us)).result()
+                for key_us in wanted
+            ]
             self._packed = None
 
     def surfaces(self, t_us: int, views: F64, flicker: float, projection: Projection) -> Surfaces:

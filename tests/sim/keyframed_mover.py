@@ -1,5 +1,8 @@
 """A moving body in front of a level background, as seen in two synthetic keyframes."""
 
+from collections.abc import Callable
+from concurrent.futures import Future
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +19,19 @@ I32 = npt.NDArray[np.int32]
 
 BACKGROUND_M, MOVER_M = 10.0, 4.0
 PROJECTION = Projection(LENS.focal_px, LENS.width / 2, LENS.height / 2)
+
+
+def at_once(
+    render: Callable[[MovingObject, int], Keyframe],
+) -> Callable[[MovingObject, int], Future[Keyframe]]:
+    """Return a function that renders a keyframe when it is requested."""
+
+    def request(obj: MovingObject, t_us: int) -> Future[Keyframe]:
+        done: Future[Keyframe] = Future()
+        done.set_result(render(obj, t_us))
+        return done
+
+    return request
 
 
 def subpixel_grid(supersample: int) -> tuple[F64, F64]:
@@ -60,7 +76,7 @@ def surfaces_between(
 
     carriers = np.arange(2, dtype=np.int32)
     store = KeyframeStore(
-        {"body": [0, 1000]}, (body,), render, carriers=carriers, per_pixel=supersample
+        {"body": [0, 1000]}, (body,), at_once(render), carriers=carriers, per_pixel=supersample
     )
     t_us = round(1000 * late)
     store.advance(t_us)

@@ -6,12 +6,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import Crossing, CrossingConfig, Distractors, Intrinsics, Lighting, Pose
+from sim import (
+    Crossing,
+    CrossingConfig,
+    Distractors,
+    Intrinsics,
+    Lighting,
+    Pose,
+    RelativeDirection,
+)
 from sim.cache import key as luminance_key
 from sim.render.vulkan import VulkanDevice
 
 TIMES_US = [0, 1000, 2500]
 CONFIG = CrossingConfig()
+SAME = RelativeDirection.SAME
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +104,7 @@ def background(**changed: Any) -> str:
     "changed",
     [
         {"omega_rad_s": 1.2, "paint_reflectance": 0.1, "vehicle": "van", "step_px": 1.0},
-        {"distractors": Distractors(pedestrian="same", far_vehicle="same", shake_rms_deg=0.1)},
+        {"distractors": Distractors(pedestrian=SAME, far_vehicle=SAME, shake_rms_deg=0.1)},
     ],
 )
 def test_moving_objects_share_a_background(changed: dict[str, Any]) -> None:

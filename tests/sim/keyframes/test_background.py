@@ -8,7 +8,8 @@ import numpy.typing as npt
 import pytest
 
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.keyframes.background import Background, BackgroundLight, background_of, render_light
+from sim.keyframes.background import Background, background_of
+from sim.keyframes.background_layers import BackgroundLight, render_light
 from sim.raster.aperture import to_pixels
 from sim.raster.triangles import triangle_soup
 from sim.render.filament import FilamentRenderer

@@ -67,7 +67,7 @@ def test_a_fully_lit_background_is_that_of_the_static_image_up_to_the_border() -
     pixels = np.stack([to_pixels(layer, size) for layer in layers])
     background = background._replace(pixels=pixels)
     shadow = half_plane_shadow(10.0, 0)
-    shadow["views"] = 1.037 * shadow["views"]  # points between texels
+    shadow["views"] = np.multiply(1.037, shadow["views"])  # points between texels
     x0, y0, x1, y1 = rectangle = (20, 5, 50, 30)
     image = composited(background, effects(1.0, 1.0, **shadow), rectangle=rectangle)
     wanted = pixels.sum(axis=0)[y0:y1, x0:x1]

@@ -15,10 +15,10 @@ def whole(image: npt.NDArray[np.generic]) -> tuple[int, int, int, int]:
     return 0, 0, image.shape[1], image.shape[0]
 
 
-def marked(label: I32, beams: npt.NDArray[np.int64] | None = None) -> Bools:
-    found, lit = np.empty(label.shape, bool), np.zeros(label.shape, np.int64)
+def marked(label: I32, in_beam: Bools | None = None) -> Bools:
+    found, lit = np.empty(label.shape, bool), np.zeros(label.shape, bool)
     rectangle = whole(label)
-    mark_edges(label, lit if beams is None else beams, rectangle, found, np.empty_like(found))
+    mark_edges(label, lit if in_beam is None else in_beam, rectangle, found, np.empty_like(found))
     return found
 
 
@@ -62,9 +62,9 @@ def test_pixels_where_two_labels_meet_are_marked(axis: int) -> None:
 
 
 def test_pixels_in_and_beside_beams_are_marked() -> None:
-    beams = np.zeros((5, 9), np.int64)
-    beams[2, 4] = 2
-    assert np.array_equal(marked(np.full(beams.shape, -1, np.int32), beams), dilated(beams > 0))
+    in_beam = np.zeros((5, 9), bool)
+    in_beam[2, 4] = True
+    assert np.array_equal(marked(np.full((5, 9), -1, np.int32), in_beam), dilated(in_beam))
 
 
 def test_dilation_stops_at_the_border() -> None:

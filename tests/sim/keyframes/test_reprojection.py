@@ -19,8 +19,9 @@ from sim import (
     RelativeDirection,
 )
 from sim.errors import SceneConfigError
-from sim.keyframes import reprojection
-from sim.keyframes.background import BackgroundLight, background_of
+from sim.keyframes import renderings, reprojection
+from sim.keyframes.background import background_of
+from sim.keyframes.background_layers import BackgroundLight, render_light
 
 
 def coarse_crossing(options: dict[str, Any]) -> Crossing:
@@ -51,13 +52,12 @@ def test_sequences_of_a_street_share_the_rendered_background(
 ) -> None:
     """With another paint and speed, the background comes from the cache: the same bits."""
     rendered: list[int] = []
-    original = reprojection.render_light
 
     def counted(*args: Any, **options: Any) -> Any:
         rendered.append(1)
-        return original(*args, **options)
+        return render_light(*args, **options)
 
-    monkeypatch.setattr(reprojection, "render_light", counted)
+    monkeypatch.setattr(renderings, "render_light", counted)
     night, other = {"lighting": Lighting.NIGHT}, {"omega_rad_s": 3.0, "paint_reflectance": 0.1}
     images = []
     for cached in (False, True):
@@ -90,7 +90,7 @@ def test_the_background_does_not_depend_on_the_moving_objects(vehicle: str) -> N
 
     everything = [(0, 0, 346, 260)]
     with patch.object(reprojection, "plan_keyframes", lambda *_, **__: ({}, everything)):
-        others = Distractors(pedestrian="same", far_vehicle="same")
+        others = Distractors(pedestrian=RelativeDirection.SAME, far_vehicle=RelativeDirection.SAME)
         changed = background({"vehicle": vehicle, "distractors": others})
         assert changed == background({})
 

@@ -8,6 +8,7 @@ from sim.geometry.pinhole import Projection
 from sim.keyframes.store import Keyframe, KeyframeStore, Patch, cut_patches
 from sim.raster.aperture import LENS_BLUR_PX, to_grid
 from sim.scene.moving_objects import MovingObject
+from tests.sim.keyframed_mover import at_once
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -78,7 +79,9 @@ class TwoObjects:
         )
         plan = {"one": [100, 200, 400], "two": [300]}
         carriers = np.arange(3, dtype=np.int32)
-        self.store = KeyframeStore(plan, objects, self.render, carriers=carriers, per_pixel=1)
+        self.store = KeyframeStore(
+            plan, objects, at_once(self.render), carriers=carriers, per_pixel=1
+        )
 
     def render(self, obj: MovingObject, t_us: int) -> Keyframe:
         self.rendered.append((obj.name, t_us))
@@ -125,6 +128,12 @@ def test_each_keyframe_is_rendered_once() -> None:
     for t_us in range(0, 500, 7):
         objects.store.advance(t_us)
     assert sorted(objects.rendered) == [("one", 100), ("one", 200), ("one", 400), ("two", 300)]
+
+
+def test_the_keyframe_after_those_in_use_is_requested_ahead() -> None:
+    objects = TwoObjects()
+    objects.store.advance(0)
+    assert objects.rendered == [("one", 100), ("one", 200), ("one", 400), ("two", 300)]
 
 
 def test_flicker_scales_only_the_flickering_layer() -> None:

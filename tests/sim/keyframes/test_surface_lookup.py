@@ -12,6 +12,7 @@ from tests.sim.keyframed_mover import (
     BACKGROUND_M,
     MOVER_M,
     PROJECTION,
+    at_once,
     even_surface,
     label_of_shape,
     nearness_of,
@@ -111,7 +112,7 @@ def test_the_albedo_of_a_wheel_rotates_with_it_and_its_illumination_does_not() -
 
     carriers = np.arange(3, dtype=np.int32)
     plan = {"vehicle": [0, 1000]}
-    store = KeyframeStore(plan, (vehicle,), render, carriers=carriers, per_pixel=size)
+    store = KeyframeStore(plan, (vehicle,), at_once(render), carriers=carriers, per_pixel=size)
     store.advance(500)
     # The disc's centre lies on the optical axis, so that it turns about itself.
     sine_and_cosine = np.column_stack([np.diag([-1.0, -1.0, 1.0]), [0, 0, MOVER_M]])

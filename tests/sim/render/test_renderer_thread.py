@@ -1,0 +1,91 @@
+"""The renderer's thread: order, errors, and what happens at its end."""
+
+import threading
+import time
+from concurrent.futures import CancelledError
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.errors import RendererError
+from sim.geometry.pinhole import Intrinsics, Pose
+from sim.render import renderer_thread
+from sim.render.filament import FilamentRenderer
+from sim.render.renderer_thread import RendererThread
+
+MODEL = """<mujoco><worldbody><light type="directional" dir="0 0 -1" intensity="100"/>
+<geom type="plane" size="5 5 .1"/></worldbody></mujoco>"""
+LENS = Intrinsics(width=32, height=24, focal_px=30.0)
+
+
+def test_what_is_rendered_in_the_thread_is_what_any_thread_renders() -> None:
+    model = mujoco.MjModel.from_xml_string(MODEL)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+
+    def render(renderer: FilamentRenderer) -> object:
+        renderer.update(data)
+        return renderer.luminance(Pose(np.array([0.0, 0.0, 1.0])), (0, 0, 32, 24))
+
+    with FilamentRenderer(model, LENS) as renderer:
+        wanted = render(renderer)
+    with RendererThread(model, LENS) as thread:
+        found = thread.submit(render, thread.renderer).result()
+    np.testing.assert_array_equal(found, wanted)
+
+
+class FakeRenderer:
+    """Stands for the renderer, and notes which threads make and close it."""
+
+    threads: ClassVar[list[threading.Thread]] = []
+
+    def __init__(self, *_: object) -> None:
+        self.threads[:] = [threading.current_thread()]
+
+    def close(self) -> None:
+        self.threads.append(threading.current_thread())
+
+
+@pytest.fixture
+def thread(monkeypatch: pytest.MonkeyPatch) -> RendererThread:
+    monkeypatch.setattr(renderer_thread, "FilamentRenderer", FakeRenderer)
+    return RendererThread(mujoco.MjModel.from_xml_string(MODEL), LENS)
+
+
+def test_calls_are_made_in_order_by_the_thread_that_made_the_renderer(
+    thread: RendererThread,
+) -> None:
+    made: list[int] = []
+    with thread:
+        asked = [thread.submit(made.append, k) for k in range(20)]
+        asked[-1].result()
+        assert made == list(range(20))
+        caller = thread.submit(threading.current_thread).result()
+    assert FakeRenderer.threads == [caller, caller]
+
+
+def test_errors_are_raised_where_the_result_is_waited_for(thread: RendererThread) -> None:
+    with thread, pytest.raises(ZeroDivisionError):
+        thread.submit(lambda: 1 / 0).result()
+
+
+def test_at_the_end_calls_that_wait_are_cancelled(thread: RendererThread) -> None:
+    with thread:
+        thread.submit(time.sleep, 0.05)
+        waiting = thread.submit(pytest.fail, "called after the end")
+    with pytest.raises(CancelledError):
+        waiting.result()
+    assert len(FakeRenderer.threads) == 2
+
+
+def test_a_renderer_that_cannot_be_made_leaves_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise RendererError("no device")
+
+    monkeypatch.setattr(renderer_thread, "FilamentRenderer", fail)
+    before = threading.active_count()
+    with pytest.raises(RendererError, match="no device"):
+        RendererThread(mujoco.MjModel.from_xml_string(MODEL), LENS)
+    assert threading.active_count() == before
