@@ -79,7 +79,7 @@ class PhotometricCamera(AbstractContextManager["PhotometricCamera"]):
         number = camera_id(model, camera)
         illumination = None if light is None else named_illumination(light)
         if illumination is None:
-            _check_light(model)
+            check_light(model)
         if not still:
             _check_motion(model)
         self.intrinsics = camera_intrinsics(model, camera, width=width, height=height)
@@ -172,7 +172,12 @@ def open_model(path: str | Path) -> mujoco.MjModel:
         ) from error
 
 
-def _check_light(model: mujoco.MjModel) -> None:
+def check_light(model: mujoco.MjModel) -> None:
+    """Check that a model has a light with an intensity.
+
+    Raises:
+        SceneConfigError: it has none.
+    """
     if not (model.light_intensity[np.asarray(model.light_active, bool)] > 0).any():
         raise SceneConfigError(
             f"none of the model's {model.nlight} lights has an intensity, so the luminance in "

@@ -26,7 +26,7 @@ exception."""
 LAYERS = {
     "sim": (
         "errors geometry raster motion distractors config scene render truth cache shadows "
-        "keyframes crossing event_truth photometric_camera preview"
+        "keyframes crossing event_truth photometric_camera moving_model preview"
     ),
     "emulator": (
         "errors aps.config readout.config config noise arguments biases readout.event_keys "

@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled
 from sim.geometry.pinhole import Intrinsics, Pose, Projection
-from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import compose_transforms
 from sim.raster.visible_fraction import VisibleFraction
 from sim.scene.scene import Scene
 from sim.truth.dense_truth import RATE_STEP_S, DenseTruth
 from sim.truth.ground_truth import GroundTruth, ObjectTruth
+from sim.truth.object_labels import AREA, box_of, centroid_of, label_objects
 
 F64 = npt.NDArray[np.float64]
 I8 = npt.NDArray[np.int8]
@@ -62,7 +62,7 @@ class TruthProbe:
                 time; see `sim.raster.visibility.VisibilityMap`.
         """
         scene = self._scene
-        labels, counts = _label(body, self.geometry.object_of_body, len(scene.objects))
+        labels, counts = label_objects(body, self.geometry.object_of_body, len(scene.objects))
         poses, camera = self.geometry.poses_in_world(t_s), scene.pose_at(t_s)
         motions = self._motions(t_s, poses, camera)
         objects = tuple(
@@ -75,8 +75,8 @@ class TruthProbe:
     def _object_truth(
         self, k: int, motion: F64, poses: F64, camera: Pose, labels: I8, count: I64
     ) -> ObjectTruth:
-        """Collect the ground truth of object `k`; `count` is its row of counts from `_label`."""
-        item, seen = self._scene.objects[k], count[_AREA] > 0
+        """Collect the truth of object `k`; `count` is its row of counts from `label_objects`."""
+        item, seen = self._scene.objects[k], count[AREA] > 0
         return ObjectTruth(
             name=item.name,
             kind=item.kind,
@@ -84,8 +84,8 @@ class TruthProbe:
             image_velocity_px_s=motion[2:4],
             angular_velocity_rad_s=float(motion[4]),
             distance_m=float(motion[5]),
-            bounding_box_px=_box(count) if seen else None,
-            centroid_px=_centroid(count) if seen else None,
+            bounding_box_px=box_of(count) if seen else None,
+            centroid_px=centroid_of(count) if seen else None,
             labels=labels,
             number=k,
             measure_visibility=partial(self._visibility, k, poses, camera, labels),
@@ -160,58 +160,3 @@ def _motions(points: F64, roots: F64, cameras: F64, projection: Projection, apar
         out[k, 4] = abs(x * turn[1] - y * turn[0]) / (x * x + y * y)
         out[k, 5] = math.sqrt(x * x + y * y + z * z)
     return out
-
-
-_AREA = 4
-"""Column of the counts that holds the number of pixels."""
-
-
-@compiled
-def _label(body: I32, object_of_body: I8, objects: int) -> tuple[I8, I64]:
-    """Label each pixel with its object, and sum up the pixels of each object.
-
-    Args:
-        body: (height, width) body that each pixel shows, -1 for the sky.
-        object_of_body: (bodies,) number of the object that each body belongs to, -1 for none.
-        objects: number of objects.
-
-    Returns:
-        (height, width) int8 labels, the number of the object, -1 for none; and (objects, 7) int64
-        counts: lowest column and row, highest column and row (half-open), number of pixels, sum of
-        their columns and sum of their rows.
-    """
-    height, width = body.shape
-    labels = np.full((height, width), -1, np.int8)
-    counts = np.zeros((objects, 7), np.int64)
-    counts[:, 0], counts[:, 1] = width, height
-    for row in range(height):
-        highest = np.int32(0)
-        for column in range(width):
-            highest = max(highest, body[row, column])
-        if highest == 0:
-            continue
-        end = 0
-        while end < width:  # whole runs of equal pixels are faster than single ones
-            start, shown = end, body[row, end]
-            while end < width and body[row, end] == shown:
-                end += 1
-            k = object_of_body[shown] if shown > 0 else np.int8(-1)
-            if k < 0:
-                continue
-            labels[row, start:end] = k
-            counts[k, 0] = min(counts[k, 0], start)
-            counts[k, 1] = min(counts[k, 1], row)
-            counts[k, 2] = max(counts[k, 2], end)
-            counts[k, 3] = max(counts[k, 3], row + 1)
-            counts[k, 4] += end - start
-            counts[k, 5] += (start + end - 1) * (end - start) // 2
-            counts[k, 6] += row * (end - start)
-    return labels, counts
-
-
-def _box(count: I64) -> Rectangle:
-    return int(count[0]), int(count[1]), int(count[2]), int(count[3])
-
-
-def _centroid(count: I64) -> F64:
-    return np.asarray(count[5:] / count[_AREA] + 0.5)
