@@ -9,7 +9,8 @@ from typing import Any
 
 from scenarios.dataset.draws import Draws
 from scenarios.dataset.labels.kinds import CONTENTS
-from scenarios.dataset.plan import DatasetPlan, code_digest
+from scenarios.dataset.plan import DatasetPlan
+from scenarios.dataset.sequence_plan import code_digest
 from scenarios.output.versions import versions
 from scenarios.sweep.random_sample import Distribution
 
@@ -25,16 +26,16 @@ Each sequence is a folder with the layout of [DSEC](https://dsec.ifi.uzh.ch/data
 | `events/left/rectify_map.h5` | identity: the lens has no distortion |
 | `events/left/event_labels.h5` | `source` (number of the object; −1 background, −2 noise), `cause` (0 signal, 1 leak, 2 shot noise, 3 hot pixel), `flow_px_s` (NaN for noise) |
 | `images/timestamps.txt` | times of the labels [µs]; label n has the name `00000n.png` |
-| `images/left/distorted/` | colour preview |
+| `images/left/distorted/` | preview, in colour for streets |
 | `flow/forward/`, `flow/backward/` | displacement to the next and to the previous label: (code − 2¹⁵) / 128 px in the first two channels, 1 in the third where valid; their times in `flow/*_timestamps.txt` |
 | `flow/velocity.h5` | `velocity_px_s` (labels, height, width, 2) |
 | `depth/` | depth along the optical axis: code / 256 m; 0 for the sky |
 | `masks/` | 1 + number of the object; 0 for the background |
 | `object_detections/left/tracks.npy` | boxes in the layout of [DSEC-Detection](https://github.com/uzh-rpg/dsec-det) |
-| `object_detections/left/coco.json` | the same as COCO, with masks; `annotations_SPLIT.json` joins them |
+| `object_detections/left/coco.json` | the same as COCO, with masks; `annotations_SPLIT.json` joins them. Bodies of a model have classes of their own: 8 + their number in `tracks.npy`, 101 + it in COCO |
 | `motion.csv` | direction, angular velocity, image velocity, distance and visibility of every object |
 | `calibration/cam_to_cam.yaml`, `poses.csv` | intrinsics; position and rotation of the camera every millisecond |
-| `shard.tar` | one sample for each label but the last, for WebDataset: the events until the next label (`events.npy`), the images of the label, and `json` |
+| `shard.tar` | one sample for each label but the last, for WebDataset: the events until the next label (`events.npy`), the images and boxes (`boxes.json`) of the label, and `json` |
 | `aps/` | frames of the sensor, 10 bits, with `exposure_timestamps.txt` |
 | `summary.json` | every parameter, the objects by number, counts, versions, checksums |
 
@@ -54,8 +55,8 @@ def card_text(plan: DatasetPlan, summaries: Summaries) -> str:
     parts = [
         _metadata(plan),
         f"# {spec.title}\n",
-        f"A synthetic dataset of an event camera: {len(summaries)} sequences in which a vehicle "
-        "crosses a street, with exact labels. It was rendered and emulated by flybench "
+        f"A synthetic dataset of an event camera: {len(summaries)} sequences in which "
+        f"{_scene(plan)}, with exact labels. It was rendered and emulated by flybench "
         f"{versions()['flybench']}; no real recording is part of it.\n",
         "![One sequence of each split, and the statistics](overview.png)\n",
         "## Splits\n",
@@ -77,6 +78,10 @@ def card_text(plan: DatasetPlan, summaries: Summaries) -> str:
         f"## Licence\n\n{spec.license}\n",
     ]
     return "\n".join(parts)
+
+
+def _scene(plan: DatasetPlan) -> str:
+    return "a MuJoCo model moves" if plan.spec.is_model else "a vehicle crosses a street"
 
 
 def _metadata(plan: DatasetPlan) -> str:
@@ -110,7 +115,7 @@ def _split_table(plan: DatasetPlan, summaries: Summaries) -> Iterator[str]:
             noise,
             f"{sum(s['label_times'] for s in own):,}",
             _counts(sum((Counter(s["boxes"]) for s in own), Counter())),
-            _counts(Counter(s["direction"] for s in own)),
+            _counts(Counter(s["direction"] for s in own if s["direction"])),
         ]
         yield f"| {' | '.join(cells)} |"
 

@@ -21,8 +21,9 @@ from scenarios.dataset.folder import (
 from scenarios.dataset.labels.boxes import write_json
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.layout import COCO
-from scenarios.dataset.plan import DatasetPlan, SequencePlan, code_digest
+from scenarios.dataset.plan import DatasetPlan
 from scenarios.dataset.sequence import file_digest
+from scenarios.dataset.sequence_plan import SequencePlan, code_digest
 from scenarios.output.atomic_folder import GENERATOR, SUMMARY
 from scenarios.output.tables import write_table
 from scenarios.output.versions import versions
@@ -80,10 +81,12 @@ def _write_annotations(path: Path, folder: Path, sequences: Iterable[SequencePla
     """
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
+    categories: set[tuple[int, str]] = set()
     for sequence in sequences:
         with open_regular(folder / sequence.name / COCO) as file:
             document = json.load(file)
         first = len(images)
+        categories |= {(entry["id"], entry["name"]) for entry in document["categories"]}
         images += [
             image
             | {"id": first + image["id"], "file_name": f"{sequence.name}/{image['file_name']}"}
@@ -92,7 +95,7 @@ def _write_annotations(path: Path, folder: Path, sequences: Iterable[SequencePla
         for entry in document["annotations"]:
             number = {"id": len(annotations) + 1, "image_id": first + entry["image_id"]}
             annotations.append(entry | number | {"sequence": sequence.name})
-    write_json(path, images, annotations)
+    write_json(path, images, annotations, categories)
 
 
 def _summary_text(plan: DatasetPlan, summaries: Summaries) -> str:

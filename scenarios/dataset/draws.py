@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from flybench.checks import Range
+from scenarios.dataset.scenes.model_take import ARGUMENTS, MODEL, model_value
 from scenarios.errors import ScenarioError
 from scenarios.sweep.parameters import PRESET, Settings, converted
 from scenarios.sweep.random_sample import CHOICE, Distribution, parse_distribution
@@ -13,7 +15,12 @@ from scenarios.sweep.sweep_file import flat_parameters
 
 SENSOR_FILE = "sensor.file"
 CROSSING, SENSOR = "crossing", "sensor"
-_SOURCES = frozenset({PRESET, SENSOR_FILE})
+SPEED, OMEGA = "crossing.speed_km_h", "crossing.omega_rad_s"
+_FOCAL_LENGTH = "sensor.focal_length_mm"
+_ALTERNATIVES = (frozenset({PRESET, SENSOR_FILE}), frozenset({SPEED, OMEGA}))
+"""Parameters of which only one may be set; one of them in a variant replaces the other."""
+_SPEED_KM_H = Range(0.5, 500.0, "km/h")
+"""Speeds of vehicles; the bounds of the angular velocity hold, too (assumed)."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +42,14 @@ class Draws:
 
     def with_changes(self, changes: Draws) -> Draws:
         """Return these parameters, with others in their place or added."""
-        replaced = changes.names | (_SOURCES if changes.names & _SOURCES else frozenset())
+        replaced = changes.names.union(*(a for a in _ALTERNATIVES if changes.names & a))
         kept = {name: value for name, value in self.fixed.items() if name not in replaced}
         drawn = tuple(d for d in self.drawn if d.name not in replaced)
         return Draws(kept | dict(changes.fixed), drawn + changes.drawn)
 
 
 def parse_draws(tables: Mapping[str, Any]) -> Draws:
-    """Return the parameters in the tables `crossing` and `sensor`.
+    """Return the parameters in the tables `crossing`, `model` and `sensor`.
 
     Raises:
         ScenarioError: an unknown parameter, a value of a wrong type, or an empty range.
@@ -53,20 +60,24 @@ def parse_draws(tables: Mapping[str, Any]) -> Draws:
         if isinstance(entry, dict):
             drawn.append(_distribution(name, entry))
         else:
-            fixed[name] = _file_name(name, entry) if name == SENSOR_FILE else converted(name, entry)
-    both = fixed.keys() | {d.name for d in drawn}
-    if both >= _SOURCES:
-        raise ScenarioError(
-            f"{PRESET} and {SENSOR_FILE} are both set. Allowed is one of them. Remove the other."
-        )
-    return Draws(fixed, tuple(drawn))
+            fixed[name] = _converted(name, entry)
+    draws = Draws(fixed, tuple(drawn))
+    for names in _ALTERNATIVES:
+        if draws.names >= names:
+            raise ScenarioError(
+                f"{' and '.join(sorted(names))} are both set. Allowed is one of them. Remove the "
+                "other."
+            )
+    return draws
 
 
 def _parameters(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    for table in (CROSSING, SENSOR):
+    yield from _model_parameters(table_of(tables, MODEL))
+    for table, own in ((CROSSING, SPEED), (SENSOR, SENSOR_FILE)):
         entries = dict(table_of(tables, table))
-        if table == SENSOR and "file" in entries:
-            yield SENSOR_FILE, entries.pop("file")
+        key = own.partition(".")[2]
+        if key in entries:
+            yield own, entries.pop(key)
         seen: set[str] = set()
         for name, entry in flat_parameters(entries, f"{table}."):
             if name in seen:
@@ -75,9 +86,28 @@ def _parameters(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, entry
 
 
+def _model_parameters(entries: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for key, entry in entries.items():
+        if f"{MODEL}.{key}." == ARGUMENTS:
+            for name, value in table_of(entries, key, ARGUMENTS[:-1]).items():
+                yield ARGUMENTS + name, value
+        else:
+            yield f"{MODEL}.{key}", entry
+
+
+def _converted(name: str, value: Any) -> Any:
+    if name == SENSOR_FILE:
+        return _file_name(name, value)
+    if name == SPEED:
+        return _SPEED_KM_H.check(name, value, ScenarioError)
+    if name.startswith(f"{MODEL}."):
+        return model_value(name, value)
+    return converted(name, value)
+
+
 def _distribution(name: str, entry: Mapping[str, Any]) -> Distribution:
     if name != SENSOR_FILE:
-        return parse_distribution(name, entry, f"[{name.split('.')[0]}]")
+        return parse_distribution(name, entry, f"[{name.split('.')[0]}]", _converted)
     names = entry.get(CHOICE)
     if set(entry) != {CHOICE} or not isinstance(names, list) or not names:
         raise ScenarioError(
@@ -104,13 +134,45 @@ def values_of(name: str, base: Draws, variants: Mapping[str, Draws]) -> list[Any
     return list(dict.fromkeys(found))
 
 
-def table_of(tables: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+def has_model(base: Draws, variants: Mapping[str, Draws]) -> bool:
+    """Return True if the scene is a model, not a street."""
+    names = base.names.union(*(draws.names for draws in variants.values()))
+    return any(name.startswith(f"{MODEL}.") for name in names)
+
+
+def check_model(base: Draws, variants: Mapping[str, Draws]) -> None:
+    """Check that nothing is set that only a street has, or that the model itself states.
+
+    Raises:
+        ScenarioError: something is.
+    """
+    names = base.names.union(*(draws.names for draws in variants.values()))
+    for name in sorted(names):
+        if name.startswith(f"{CROSSING}."):
+            raise ScenarioError(
+                f"{name} is set, and [{MODEL}] names a model in place of the street. Allowed is "
+                f"one of [{MODEL}] and [{CROSSING}]. Remove the other."
+            )
+        if name == _FOCAL_LENGTH:
+            raise ScenarioError(
+                f"{name} is set, and the field of view is that of the model's camera. Allowed are "
+                "other parameters of the sensor. Remove it, or set fovy on the camera."
+            )
+
+
+def table_of(tables: Mapping[str, Any], name: str, shown: str | None = None) -> Mapping[str, Any]:
     """Return a table of the file; empty if it is missing.
+
+    Args:
+        tables: the tables of the file.
+        name: key of the table.
+        shown: its whole name, for messages; None: the key.
 
     Raises:
         ScenarioError: the name stands for something else.
     """
     value = tables.get(name, {})
     if not isinstance(value, dict):
-        raise ScenarioError(f"{name} is {value!r}. Allowed is a table. Write [{name}] above it.")
+        shown = shown or name
+        raise ScenarioError(f"{shown} is {value!r}. Allowed is a table. Write [{shown}] above it.")
     return value

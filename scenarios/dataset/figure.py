@@ -10,7 +10,6 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from scenarios.dataset.labels.boxes import CLASSES
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import decode_flow, read_png
 from scenarios.dataset.layout import EVENTS, FORWARD, IMAGES, TRACKS, file_name
@@ -55,7 +54,7 @@ def _draw_sequence(
     t_us = middle * summary["period_us"]
     axes[0].imshow(_event_image(place / EVENTS, t_us), interpolation="nearest")
     axes[0].set_title(f"{literal(summary['sequence'])}: events of {_WINDOW_US / 1000:g} ms")
-    _draw_boxes(axes[0], place / TRACKS, t_us)
+    _draw_boxes(axes[0], place / TRACKS, t_us, [item["kind"] for item in summary["objects"]])
     for axis, label in zip(axes[1:], panels, strict=False):
         if label is Label.IMAGES:
             axis.imshow(read_png(place / IMAGES / file_name(middle)))
@@ -83,7 +82,7 @@ def _event_image(path: Path, end_us: int) -> npt.NDArray[np.float32]:
     return image
 
 
-def _draw_boxes(axis: Any, path: Path, t_us: int) -> None:
+def _draw_boxes(axis: Any, path: Path, t_us: int, names: Sequence[str]) -> None:
     if not path.exists():
         return
     tracks = np.load(path)
@@ -91,17 +90,22 @@ def _draw_boxes(axis: Any, path: Path, t_us: int) -> None:
         x, y, w, h = (float(box[name]) for name in "xywh")
         xs, ys = [x, x + w, x + w, x, x], [y, y, y + h, y + h, y]
         axis.plot(xs, ys, color=_BOX, linewidth=1.2)
-        axis.text(x, y - 3, CLASSES[box["class_id"]], color=_BOX, fontsize=7)
+        axis.text(x, y - 3, literal(names[int(box["track_id"])]), color=_BOX, fontsize=7)
 
 
 def _draw_statistics(axes: Any, summaries: Summaries) -> None:
+    """Draw events and noise against illuminance, or against image speed if it is not known."""
     speed = np.array([s["image_speed_px_s"] for s in summaries])
-    lux = np.array([s["parameters"]["crossing"]["illuminance_lux"] for s in summaries])
     count = np.array([s["events"]["count"] for s in summaries])
     signal = np.array([s["events"]["by_cause"]["signal"] for s in summaries])
+    lux = [s["illuminance_lux"] for s in summaries]
+    known = None not in lux
+    across = lux if known else speed
+    words = "illuminance [lux]" if known else "highest image speed [px/s]"
+    scale = "log" if known else "linear"
     axes[0].hist(speed, bins=20)
     axes[0].set(xlabel="image speed [px/s]", ylabel="sequences")
-    axes[1].scatter(lux, count / 1e6, s=8)
-    axes[1].set(xlabel="illuminance [lux]", ylabel="events [million]", xscale="log")
-    axes[2].scatter(lux, 100 * (count - signal) / np.maximum(count, 1), s=8)
-    axes[2].set(xlabel="illuminance [lux]", ylabel="noise [% of events]", xscale="log")
+    axes[1].scatter(across, count / 1e6, s=8)
+    axes[1].set(xlabel=words, ylabel="events [million]", xscale=scale)
+    axes[2].scatter(across, 100 * (count - signal) / np.maximum(count, 1), s=8)
+    axes[2].set(xlabel=words, ylabel="noise [% of events]", xscale=scale)

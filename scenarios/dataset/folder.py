@@ -10,7 +10,8 @@ from typing import Any
 
 from flybench.files import read_small_text
 from flybench.unfinished import SUFFIX, remove_abandoned
-from scenarios.dataset.plan import DatasetPlan, SequencePlan
+from scenarios.dataset.plan import DatasetPlan
+from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.errors import OutputError
 from scenarios.output.atomic_folder import GENERATOR, SUMMARY, check_output_folder
 from scenarios.output.locked_folder import locked_folder

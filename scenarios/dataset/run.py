@@ -16,8 +16,9 @@ from scenarios.dataset.folder import (
     drop_results,
     finished_sequences,
 )
-from scenarios.dataset.plan import DatasetPlan, SequencePlan, code_digest
+from scenarios.dataset.plan import DatasetPlan
 from scenarios.dataset.sequence import Cost, file_digest, make_sequence
+from scenarios.dataset.sequence_plan import SequencePlan, code_digest
 from scenarios.dataset.size import estimated_bytes
 from scenarios.errors import ScenarioError
 from scenarios.sweep.folder import durable_file

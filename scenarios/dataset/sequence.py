@@ -19,12 +19,11 @@ from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import write_png
 from scenarios.dataset.labels.shard import write_shard
 from scenarios.dataset.layout import APS, EVENTS, IMAGES, file_name, label_times_us
-from scenarios.dataset.plan import SequencePlan
+from scenarios.dataset.scenes.labelled import LabelledScene
+from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.output.atomic_folder import atomic_folder, write_summary
 from scenarios.output.versions import versions
 from scenarios.pipeline.summary import EventTally
-from sim import Crossing
-from sim.preview import Preview
 
 _OF_EVENTS = frozenset({Label.EVENT_SOURCE, Label.EVENT_FLOW})
 
@@ -56,20 +55,20 @@ def make_sequence(plan: SequencePlan, folder: Path) -> Cost:
     """
     with atomic_folder(folder) as work:
         start_s = time.process_time()
-        crossing = Crossing(plan.crossing, plan.lens)
+        scene = plan.build_scene()
         (work / EVENTS).parent.mkdir(parents=True)
-        log, tally, frames = _write_events(work, plan, crossing)
+        log, tally, frames = _write_events(work, plan, scene)
         rendered_s = time.process_time()
-        times_us = label_times_us(crossing.duration_us, plan.period_us)
-        boxes = _write_labels(work, plan, crossing, times_us, log)
+        times_us = label_times_us(scene.duration_us, plan.period_us)
+        boxes = _write_labels(work, plan, scene, times_us, log)
         labelled_s = time.process_time()
-        facts = _facts(plan, crossing, tally, boxes, len(times_us), frames)
+        facts = _facts(plan, scene, tally, boxes, len(times_us), frames)
         write_summary(work, facts | {"sha256": file_digests(work)})
     return Cost(rendered_s - start_s, labelled_s - rendered_s)
 
 
 def _write_events(
-    work: Path, plan: SequencePlan, crossing: Crossing
+    work: Path, plan: SequencePlan, scene: LabelledScene
 ) -> tuple[EventLog, EventTally, int]:
     """Render and emulate; write the events, and the frames if they are wanted."""
     log, tally, frames = EventLog(), EventTally(), _Frames(work, wanted=Label.APS in plan.labels)
@@ -77,14 +76,14 @@ def _write_events(
     sensor = EventSensor(plan.sensor, seed=plan.seed)
     width, height = plan.sensor.width, plan.sensor.height
     with DsecWriter(work / EVENTS, width=width, height=height) as writer:
-        for sample in crossing.samples():
+        for sample in scene.samples():
             output = sensor.step(sample.t_us, sample.luminance, changed=sample.changed)
             writer.write(output.events)
             keep(output)
             tally.add(output)
             frames.write(output.aps_frames)
-        writer.index_until(crossing.duration_us)
-    write_rectify_map(work, crossing.intrinsics)
+        writer.index_until(scene.duration_us)
+    write_rectify_map(work, scene.lens)
     return log, tally, frames.close()
 
 
@@ -113,34 +112,33 @@ class _Frames:
 
 
 def _write_labels(
-    work: Path, plan: SequencePlan, crossing: Crossing, times_us: range, log: EventLog
+    work: Path, plan: SequencePlan, scene: LabelledScene, times_us: range, log: EventLog
 ) -> BoxTable:
-    boxes = write_frame_labels(work, crossing, plan.labels, times_us)
+    boxes = write_frame_labels(work, scene, plan.labels, times_us)
     if _OF_EVENTS & set(plan.labels):
-        log.write_labels(work, crossing, plan.labels)
+        log.write_labels(work, scene, plan.labels)
     if Label.CAMERA in plan.labels:
-        write_camera(work, crossing)
+        write_camera(work, scene)
     if Label.IMAGES in plan.labels:
         (work / IMAGES).mkdir(parents=True)
-        with Preview(crossing) as preview:
-            for number, t_us in enumerate(times_us):
-                write_png(work / IMAGES / file_name(number), preview.render(t_us, scale=1.0))
+        for number, image in enumerate(scene.images(times_us)):
+            write_png(work / IMAGES / file_name(number), image)
     if Label.SHARD in plan.labels:
-        facts = {"direction": plan.crossing.direction, "variant": plan.variant}
-        write_shard(work, times_us, plan.name, facts)
+        facts = {"direction": scene.facts()["direction"], "variant": plan.variant}
+        has_boxes = not {Label.BOXES, Label.COCO}.isdisjoint(plan.labels)
+        write_shard(work, times_us, plan.name, facts, boxes if has_boxes else None)
     return boxes
 
 
 def _facts(
     plan: SequencePlan,
-    crossing: Crossing,
+    scene: LabelledScene,
     tally: EventTally,
     boxes: BoxTable,
     labels: int,
     frames: int,
 ) -> dict[str, Any]:
     """Return everything about the sequence that is not an array, ready for JSON."""
-    c = plan.crossing
     return {
         "command": "dataset",
         "sequence": plan.name,
@@ -148,20 +146,19 @@ def _facts(
         "variant": plan.variant,
         "key": plan.key(),
         "parameters": {
-            "crossing": c.resolved(),
+            **plan.scene_parameters(),
             "sensor": {"preset": plan.sensor_name} | asdict(plan.sensor),
             "seed": plan.seed,
         },
         "labels": list(plan.labels),
         "period_us": plan.period_us,
-        "duration_us": crossing.duration_us,
-        "direction": c.direction.value,
-        "image_speed_px_s": crossing.intrinsics.focal_px * c.omega_rad_s,
+        "duration_us": scene.duration_us,
+        **scene.facts(),
         "label_times": labels,
         "aps_frames": frames,
         "objects": [
             {"track_id": k, "name": item.name, "kind": item.kind}
-            for k, item in enumerate(crossing.scene.objects)
+            for k, item in enumerate(scene.objects)
         ],
         "boxes": dict(sorted(boxes.kinds.items())),
         "events": tally.summary(),

@@ -6,8 +6,8 @@ import math
 
 from flybench.direction import Direction
 from scenarios.dataset.labels.kinds import Label
-from scenarios.dataset.plan import SequencePlan
-from sim import Lighting, VehicleKind
+from scenarios.dataset.sequence_plan import SequencePlan
+from sim import CrossingConfig, Lighting, VehicleKind
 
 _VEHICLE_M = {
     VehicleKind.SEDAN: (2.3, 1.8),
@@ -45,6 +45,8 @@ _OTHER_BYTES = 80_000
 
 def duration_s(plan: SequencePlan) -> float:
     """Return about how long a sequence is [s]; `Crossing.duration_us` is exact."""
+    if not isinstance(plan.scene, CrossingConfig):
+        return plan.build_scene().duration_us * 1e-6
     crossing, lens = plan.crossing, plan.lens
     level = crossing.direction in (Direction.RIGHT, Direction.LEFT)
     half_view = lens.half_width_rad if level else lens.half_height_rad
@@ -58,18 +60,20 @@ def estimated_bytes(plan: SequencePlan) -> int:
     """Return about how large the folder of a sequence is [bytes].
 
     It is an estimate for a vehicle in a calm street. Wind, shake and lower contrast thresholds than
-    the default make more events.
+    the default make more events. A model is taken to have as many events (assumed).
     """
+    is_street = isinstance(plan.scene, CrossingConfig)
+    lighting = plan.crossing.lighting if is_street else Lighting.DAY
     seconds, pixels = duration_s(plan), plan.sensor.width * plan.sensor.height
     times = 1 + seconds * 1e6 / plan.period_us
-    events = pixels * (_EVENTS_PER_PX + _NOISE_HZ_PER_PX[plan.crossing.lighting] * seconds)
+    events = pixels * (_EVENTS_PER_PX + _NOISE_HZ_PER_PX[lighting] * seconds)
     per_event = _PLAIN_EVENT_BYTES + sum(_EVENT_BYTES.get(label, 0) for label in plan.labels)
     per_frame = sum(_FRAME_BYTES.get(label, 0) for label in plan.labels)
     size = events * per_event + pixels * times * per_frame + _OTHER_BYTES
     if Label.SHARD in plan.labels:
         size += events * _PLAIN_RECORD_BYTES + pixels * times * per_frame
     if Label.APS in plan.labels:
-        size += pixels * seconds * _APS_HZ[plan.crossing.lighting] * _APS_BYTES_PER_PX
+        size += pixels * seconds * _APS_HZ[lighting] * _APS_BYTES_PER_PX
     if Label.CAMERA in plan.labels:
         size += _CAMERA_BYTES_S * seconds
     return round(size)

@@ -17,11 +17,20 @@ from scenarios.dataset.draws import (
     SENSOR,
     SENSOR_FILE,
     Draws,
+    check_model,
+    has_model,
     parse_draws,
     table_of,
     values_of,
 )
-from scenarios.dataset.labels.kinds import BY_DEFAULT, Label, check_frames, parse_labels
+from scenarios.dataset.labels.kinds import (
+    BY_DEFAULT,
+    Label,
+    check_frames,
+    check_target,
+    parse_labels,
+)
+from scenarios.dataset.scenes.model_take import MODEL
 from scenarios.dataset.splits import check_name as check_split_name
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import sensor_of
@@ -30,7 +39,7 @@ from scenarios.sweep.parameters import PRESET
 
 _TITLE, _LICENSE, _SEED, _SPLITS, _LABELS = "title", "license", "seed", "splits", "labels"
 _VARIANTS, _DISJOINT, _WANTED, _PERIOD = "variants", "disjoint", "wanted", "period_ms"
-_TOP = (_TITLE, _LICENSE, _SEED, _SPLITS, _LABELS, SENSOR, CROSSING, _VARIANTS)
+_TOP = (_TITLE, _LICENSE, _SEED, _SPLITS, _LABELS, SENSOR, CROSSING, MODEL, _VARIANTS)
 DEFAULT_PERIOD_MS = 50
 """Default time between labels [ms]: that of DSEC's images."""
 _PERIOD_MS = Range(1, 10_000, "ms")
@@ -76,6 +85,11 @@ class DatasetSpec:
     variants: Mapping[str, Draws]
     sensors: Mapping[str, SensorConfig]
 
+    @property
+    def is_model(self) -> bool:
+        """True if the scene is a model, not a street."""
+        return has_model(self.base, self.variants)
+
 
 def read_spec(path: Path) -> DatasetSpec:
     """Read the file.
@@ -96,6 +110,8 @@ def _parse(path: Path, text: str, tables: dict[str, Any]) -> DatasetSpec:
     splits, labels = table_of(tables, _SPLITS), table_of(tables, _LABELS)
     _check_keys(labels, (_WANTED, _PERIOD), f"{_LABELS}.")
     base, variants = parse_draws(tables), _variants(tables)
+    if has_model(base, variants):
+        check_model(base, variants)
     sensors = {name: _read_sensor(path, name) for name in _sensor_files(base, variants)}
     return DatasetSpec(
         path=path,
@@ -105,7 +121,9 @@ def _parse(path: Path, text: str, tables: dict[str, Any]) -> DatasetSpec:
         seed=_SEEDS.check(_SEED, tables.get(_SEED, 0), ScenarioError),
         counts=_counts(splits),
         disjoint=_disjoint(splits.get(_DISJOINT, [])),
-        labels=_labels(labels, _frameless(path, base, variants)),
+        labels=_labels(
+            labels, _frameless(path, base, variants), is_model=has_model(base, variants)
+        ),
         period_us=1000
         * _PERIOD_MS.check(
             f"{_LABELS}.{_PERIOD}", labels.get(_PERIOD, DEFAULT_PERIOD_MS), ScenarioError
@@ -163,13 +181,17 @@ def _disjoint(value: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(value))
 
 
-def _labels(table: Mapping[str, Any], frameless: list[str]) -> tuple[Label, ...]:
-    """Return the labels of the file; by default those that every sensor of the file can give."""
+def _labels(table: Mapping[str, Any], frameless: list[str], *, is_model: bool) -> tuple[Label, ...]:
+    """Return the labels of the file; by default those that every sensor and scene can give."""
     key = f"{_LABELS}.{_WANTED}"
     if _WANTED not in table:
-        return tuple(label for label in BY_DEFAULT if label is not Label.APS or not frameless)
+        missing = {Label.APS} if frameless else set()
+        missing |= {Label.MOTION} if is_model else set()
+        return tuple(label for label in BY_DEFAULT if label not in missing)
     labels = parse_labels(key, table[_WANTED])
     check_frames(key, labels, frameless)
+    if is_model:
+        check_target(key, labels)
     return labels
 
 
@@ -190,7 +212,7 @@ def _variants(tables: Mapping[str, Any]) -> dict[str, Draws]:
         )
     variants: dict[str, Draws] = {}
     for entry in entries:
-        _check_keys(entry, ("name", CROSSING, SENSOR), f"{_VARIANTS}.")
+        _check_keys(entry, ("name", CROSSING, MODEL, SENSOR), f"{_VARIANTS}.")
         name = entry.get("name")
         if not isinstance(name, str) or not name or name in variants:
             raise ScenarioError(

@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 
 from scenarios.errors import ScenarioError
-from scenarios.sweep.parameters import parameter_types
 from scenarios.sweep.random_sample import CHOICE, UNIFORM, Distribution
 
 STREET, VEHICLE = "street", "vehicle"
@@ -63,7 +62,7 @@ def divide(distribution: Distribution, counts: Mapping[str, int]) -> dict[str, D
         ScenarioError: the distribution has fewer values than there are splits, or infinitely many.
     """
     values = distribution.values
-    is_whole = distribution.kind == UNIFORM and parameter_types()[distribution.name] is int
+    is_whole = distribution.kind == UNIFORM and distribution.whole
     if distribution.kind != CHOICE and not is_whole:
         raise ScenarioError(
             f"splits.disjoint holds {distribution.name}, which is {_shown(distribution)}. Allowed "

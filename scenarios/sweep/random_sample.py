@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from scenarios.errors import ScenarioError
-from scenarios.sweep.parameters import Settings, converted, parameter_types
+from scenarios.sweep.parameters import Settings, converted
 
 UNIFORM, LOG_UNIFORM, CHOICE = "uniform", "log_uniform", "choice"
 _FORMS = "{uniform = [low, high]}, {log_uniform = [low, high]} or {choice = [one, another]}"
@@ -32,6 +32,11 @@ class Distribution:
     kind: str
     values: tuple[Any, ...]
 
+    @property
+    def whole(self) -> bool:
+        """True if all values are whole numbers."""
+        return all(type(value) is int for value in self.values)
+
     def draw(self, count: int, seed: int) -> list[Any]:
         """Draw values.
 
@@ -43,7 +48,7 @@ class Distribution:
         if self.kind == CHOICE:
             return [self.values[int(u * len(self.values))] for u in random]
         low, high = self.values
-        whole = parameter_types()[self.name] is int
+        whole = self.whole
         if whole:
             low, high = low, high + 1
         if self.kind == UNIFORM:
@@ -53,13 +58,19 @@ class Distribution:
         return [min(int(value), self.values[1]) if whole else value for value in drawn]
 
 
-def parse_distribution(name: str, entry: Any, place: str = "[sample]") -> Distribution:
+def parse_distribution(
+    name: str,
+    entry: Any,
+    place: str = "[sample]",
+    convert: Callable[[str, Any], Any] = converted,
+) -> Distribution:
     """Return the distribution of a parameter from its entry in the file.
 
     Args:
         name: name of the parameter.
         entry: its value in the file.
         place: table of the file that it is in, for messages.
+        convert: function that checks a value of a parameter and converts it.
 
     Raises:
         ScenarioError: the entry is not one of the known forms, or its bounds are invalid.
@@ -74,14 +85,14 @@ def parse_distribution(name: str, entry: Any, place: str = "[sample]") -> Distri
         raise ScenarioError(
             f"{name} is {entry!r}. Allowed is {_FORMS}. Write the values in square brackets."
         )
-    typed = tuple(converted(name, value) for value in values)
+    typed = tuple(convert(name, value) for value in values)
     if kind != CHOICE:
         _check_bounds(name, entry, kind, typed)
     return Distribution(name, kind, typed)
 
 
 def _check_bounds(name: str, entry: Any, kind: str, bounds: tuple[Any, ...]) -> None:
-    if parameter_types()[name] not in (int, float):
+    if not all(type(value) in (int, float) for value in bounds):
         raise ScenarioError(
             f"{name} is {entry!r}. Allowed is {{choice = [one, another]}}, because this parameter "
             "is not a number. List the values to choose from."

@@ -13,8 +13,9 @@ from rich.table import Table
 
 from flybench.disk_space import megabytes
 from scenarios.dataset.folder import CHECKSUMS, check_folder, finished_sequences
-from scenarios.dataset.plan import DatasetPlan, SequencePlan, read_plan
+from scenarios.dataset.plan import DatasetPlan, read_plan
 from scenarios.dataset.run import DatasetResult, Runner, needed_bytes, run_dataset
+from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.dataset.size import duration_s, estimated_bytes
 from scenarios.errors import ScenarioError
 from scenarios.output.streams import SafeConsole, say

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from scenarios.dataset.layout import CALIBRATION, POSES, RECTIFY
+from scenarios.dataset.scenes.labelled import LabelledScene
 from scenarios.output.tables import write_table
-from sim import Crossing, Intrinsics
+from sim import Intrinsics
 
 POSE_STEP_US = 1_000
 """Time between poses [µs] (assumed; shake has almost no power above 500 Hz)."""
@@ -59,18 +60,19 @@ def write_rectify_map(work: Path, lens: Intrinsics) -> None:
         )
 
 
-def write_camera(work: Path, crossing: Crossing) -> None:
+def write_camera(work: Path, scene: LabelledScene) -> None:
     """Write the calibration, and the pose of the camera every millisecond.
 
     A pose is the position of the optical centre and the rotation from the camera's frame (right,
-    down, forward) to the world's (along the road, across it, up), as a unit quaternion.
+    down, forward) to the world's, as a unit quaternion. The world of a street is along the road,
+    across it, up.
     """
-    lens = crossing.intrinsics
+    lens = scene.lens
     (work / CALIBRATION).parent.mkdir(parents=True, exist_ok=True)
     text = _YAML.format(matrix=camera_matrix(lens), size=[lens.width, lens.height])
     (work / CALIBRATION).write_text(text, encoding="utf-8")
-    times_us = range(0, crossing.duration_us + 1, POSE_STEP_US)
-    poses = [crossing.scene.pose_at(crossing.seconds(t_us)) for t_us in times_us]
+    times_us = range(0, scene.duration_us + 1, POSE_STEP_US)
+    poses = [scene.pose_at(t_us) for t_us in times_us]
     to_world = np.array([pose.world_to_camera[:, :3].T for pose in poses])
     quaternions = Rotation.from_matrix(to_world).as_quat(canonical=True)
     rows = (

@@ -15,8 +15,7 @@ from flybench.events import Events, concatenate_events
 from flybench.memory import count_memory
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.layout import EVENT_LABELS
-from sim import Crossing
-from sim.event_truth import event_truth
+from scenarios.dataset.scenes.labelled import LabelledScene
 
 _CHUNK = 1 << 16
 _BYTES_PER_EVENT = 60
@@ -46,16 +45,16 @@ class EventLog:
         self._events.append(output.events)
         self._causes.append(output.causes)
 
-    def write_labels(self, work: Path, crossing: Crossing, labels: Sequence[Label]) -> None:
+    def write_labels(self, work: Path, scene: LabelledScene, labels: Sequence[Label]) -> None:
         """Write `source`, `cause` and `flow_px_s`, one entry for each event of `events.h5`.
 
         Args:
             work: folder of the sequence.
-            crossing: crossing that the sensor saw.
+            scene: scene that the sensor saw.
             labels: labels to write.
         """
         causes = np.concatenate([np.empty(0, np.uint8), *self._causes])
-        truth = event_truth(concatenate_events(self._events), causes, crossing)
+        truth = scene.event_truth(concatenate_events(self._events), causes)
         with h5py.File(work / EVENT_LABELS, "w") as file:
             if Label.EVENT_SOURCE in labels:
                 _write(file, "source", truth.source)

@@ -42,7 +42,7 @@ CONTENTS = {
     Label.MOTION: "direction, angular velocity and image velocity of every object, CSV",
     Label.CAMERA: "intrinsics, and the pose of the camera every millisecond",
     Label.APS: "frames of the sensor, 16-bit PNG, with the times of their exposure",
-    Label.IMAGES: "colour preview at the time of every label, 8-bit PNG",
+    Label.IMAGES: "preview at the time of every label, 8-bit PNG",
     Label.SHARD: "events and images of all samples as one tar file, for WebDataset",
 }
 """What each label is, for the dataset's card."""
@@ -51,7 +51,7 @@ _IMPOSSIBLE = {
     "disparity": "The scene has one camera, and disparity needs two. Use depth.",
     "imu": "The camera has no inertial sensor. Use camera for its pose.",
 }
-"""Labels of other datasets that a crossing cannot give, and what to do instead."""
+"""Labels of other datasets that no scene can give, and what to do instead."""
 
 
 def parse_labels(key: str, value: Any) -> tuple[Label, ...]:
@@ -104,4 +104,17 @@ def check_frames(key: str, labels: Sequence[Label], frameless: Sequence[str]) ->
         raise ScenarioError(
             f"{key} holds 'aps', and the sensor may be {frameless[0]!r}, which has no frames. "
             "Remove 'aps', or choose davis346 or davis240."
+        )
+
+
+def check_target(key: str, labels: Sequence[Label]) -> None:
+    """Refuse the motion of the target of a model, which has none.
+
+    Raises:
+        ScenarioError: it is asked for.
+    """
+    if Label.MOTION in labels:
+        raise ScenarioError(
+            f"{key} holds 'motion', and the scene is a model, which has no vehicle whose direction "
+            "could be stated. Use velocity and masks."
         )

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from flybench.events import EVENT_DTYPE
+from scenarios.dataset.labels.boxes import BoxTable
 from scenarios.dataset.layout import (
     BACKWARD,
     DEPTH,
@@ -34,19 +35,27 @@ _IMAGES = {
 """Ending of each image in the shard, and its folder in the sequence."""
 
 
-def write_shard(work: Path, times_us: Sequence[int], name: str, facts: dict[str, Any]) -> None:
+def write_shard(
+    work: Path,
+    times_us: Sequence[int],
+    name: str,
+    facts: dict[str, Any],
+    boxes: BoxTable | None,
+) -> None:
     """Write one sample for each label but the last.
 
     Files of one sample follow each other and have one name before the first dot. A sample holds the
     events until the next label (`events.npy`, of `EVENT_DTYPE`), the images of the label that the
-    sequence has, and `json`: the times of both labels [µs], and facts of the sequence. Two runs
-    write equal bytes, because entries have no time and no owner.
+    sequence has, `boxes.json`: its boxes, with the names of the fields of `TRACK_DTYPE`, and
+    `json`: the times of both labels [µs], and facts of the sequence. Two runs write equal bytes,
+    because entries have no time and no owner.
 
     Args:
         work: folder of the sequence, with all other labels.
         times_us: times of the labels [µs].
         name: name of the sequence, such as "train/0000".
         facts: what is the same for all samples of the sequence.
+        boxes: boxes of the sequence; None: without boxes.
     """
     key = name.replace("/", "_")
     with h5py.File(work / EVENTS) as file, tarfile.open(work / SHARD, "w") as tar:
@@ -58,6 +67,8 @@ def write_shard(work: Path, times_us: Sequence[int], name: str, facts: dict[str,
                 "json": json.dumps(document).encode(),
                 **dict(_images(work, number)),
             }
+            if boxes is not None:
+                members["boxes.json"] = json.dumps(boxes.boxes_at(start_us)).encode()
             for ending, content in members.items():
                 entry = tarfile.TarInfo(f"{key}_{number:06d}.{ending}")
                 entry.size = len(content)

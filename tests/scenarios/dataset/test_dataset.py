@@ -5,10 +5,12 @@ import hashlib
 import io
 import json
 import math
+import sys
 import tarfile
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import cv2
@@ -223,6 +225,12 @@ def test_a_shard_holds_the_same_events_and_images_sample_by_sample(
         assert files["flow.png"] == (folder / f"flow/forward/{k:06d}.png").read_bytes()
         assert files["image.png"] == (folder / f"images/left/distorted/{k:06d}.png").read_bytes()
         assert ("flow_backward.png" in files) == (k > 0)
+        tracks = np.load(folder / "object_detections/left/tracks.npy")
+        expected = tracks[tracks["t"] == times[k]]
+        boxes = json.loads(files["boxes.json"])
+        read = np.array([tuple(box.values()) for box in boxes], TRACK_DTYPE)
+        assert [list(box) for box in boxes] == [list(TRACK_DTYPE.names or ())] * len(boxes)
+        assert (read == expected).all()
 
 
 def test_direction_speed_and_camera_are_stated(sequence: tuple[Crossing, Path]) -> None:
@@ -272,3 +280,45 @@ def test_the_card_and_the_table_describe_what_is_there(made: tuple[DatasetPlan, 
     assert math.isclose(float(rows[0]["sensor.theta_on"]), made[0].sequences[0].sensor.theta_on)
     figure = read_image(made[1] / "overview.png")
     assert figure.shape[0] > 500
+
+
+def test_tonic_reads_a_sequence_as_one_of_dsec(
+    sequence: tuple[Crossing, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """tonic has folder names of its own, knows only the names of DSEC's recordings, and fetches a
+    library to read PNG files, which OpenCV does here."""
+    dsec = pytest.importorskip("tonic.datasets.dsec")
+    freeimage = SimpleNamespace(download=lambda: None)
+    plugins = SimpleNamespace(plugins=SimpleNamespace(freeimage=freeimage))
+    monkeypatch.setitem(sys.modules, "imageio", plugins)  # type: ignore[arg-type]
+    monkeypatch.setattr(
+        dsec.DSEC, "_read_16bit_png", lambda _, file: read_image(Path(file))[..., ::-1]
+    )
+    folder, name, flow = sequence[1], "thun_00_a", "optical_flow_forward"
+    place = tmp_path / "DSEC" / name
+    links = {
+        "events_left": "events/left",
+        "image_timestamps": "images",
+        f"{flow}_event": "flow/forward",
+    }
+    for theirs in (*links, f"{flow}_timestamps"):
+        (place / theirs).mkdir(parents=True)
+        for file in (folder / links[theirs]).iterdir() if theirs in links else ():
+            named = f"{name}_{theirs}.txt" if file.suffix == ".txt" else file.name
+            (place / theirs / named).symlink_to(file)
+    times = place / f"{flow}_timestamps" / f"{name}_{flow}_timestamps.txt"
+    times.symlink_to(folder / "flow/forward_timestamps.txt")
+    targets = [f"{flow}_event", f"{flow}_timestamps"]
+    samples = dsec.DSEC(str(tmp_path), [name], ["events_left", "image_timestamps"], targets)
+    ((events, image_times), (displacements, spans)) = samples[0]
+    with h5py.File(folder / "events/left/events.h5") as file:
+        for column in "txyp":
+            assert (events["events_left"][column] == file[f"events/{column}"][:]).all()
+        assert (events["ms_to_idx"] == file["ms_to_idx"][:]).all()
+    assert image_times.tolist() == list(range(0, int(image_times[-1]) + 1, PERIOD_US))
+    geometry = DenseTruth(sequence[0].scene, sequence[0].intrinsics)
+    assert len(displacements) == len(spans) >= 4
+    for read, span in zip(displacements, spans, strict=True):
+        expected = geometry.displacement_px(*(sequence[0].seconds(int(t_us)) for t_us in span))
+        valid = read[..., 2] == 1
+        assert np.abs(read[..., :2] - expected)[valid].max() < 0.005

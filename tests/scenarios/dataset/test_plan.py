@@ -67,6 +67,20 @@ def test_sensors_come_from_presets_and_files(tmp_path: Path) -> None:
     assert plan(tmp_path, changed).sequences[0].key() != made.sequences[0].key()
 
 
+def test_speeds_can_be_given_in_km_h(tmp_path: Path) -> None:
+    text = HEAD + "[splits]\na = 20\n[crossing]\nspeed_km_h = {uniform = [20.0, 60.0]}\n"
+    text += "distance_m = {uniform = [5.0, 12.0]}\n"
+    made = plan(tmp_path, text).sequences
+    speeds = [float(str(s.parameters()["crossing.speed_km_h"])) for s in made]
+    assert len({s.crossing.omega_rad_s for s in made}) == 20
+    assert 20 <= min(speeds) < 30 < 50 < max(speeds) <= 60
+    for s, speed_km_h in zip(made, speeds, strict=True):
+        assert speed_km_h / 3.6 == pytest.approx(s.crossing.omega_rad_s * s.crossing.distance)
+    assert "crossing.speed_km_h" in made[0].drawn
+    variant = text + '[[variants]]\nname = "slow"\ncrossing.omega_rad_s = 0.5'
+    assert {s.crossing.omega_rad_s for s in plan(tmp_path, variant).sequences} == {0.5}
+
+
 def test_labels_are_all_by_default_but_shards_and_frames_of_a_sensor_without(
     tmp_path: Path,
 ) -> None:
@@ -99,6 +113,13 @@ def test_the_examples_are_valid() -> None:
 
 SPLITS = HEAD + "[splits]\ntrain = 2\ntest = 2\n"
 BAD = {
+    SPLITS + "[crossing]\nspeed_km_h = 40\nomega_rad_s = 1.0": (
+        r"crossing\.omega_rad_s and crossing\.speed_km_h are both set\. Allowed is one of them"
+    ),
+    SPLITS + "[crossing]\nspeed_km_h = {uniform = [100.0, 300.0]}": (
+        r"crossing\.speed_km_h is 300 at 6\.89 m: omega_rad_s is 12\.\d+\. Allowed is a number from"
+    ),
+    SPLITS + "[crossing]\nspeed_km_h = 600": r"crossing\.speed_km_h is 600\. Allowed is a number",
     "title": r"title is None\. Allowed is one line of text in quotes",
     HEAD: r"\[splits\] names no split\. Allowed is one split or more",
     HEAD + "splits = 3": r"splits is 3\. Allowed is a table\. Write \[splits\] above it",

@@ -8,9 +8,10 @@ import pytest
 
 from flybench import disk_space
 from scenarios.dataset.folder import CARD, CHECKSUMS, LOCK, TABLE, dataset_folder
-from scenarios.dataset.plan import code_digest, read_plan
+from scenarios.dataset.plan import read_plan
 from scenarios.dataset.run import Task, run_dataset, run_task
 from scenarios.dataset.sequence import file_digest
+from scenarios.dataset.sequence_plan import code_digest
 from scenarios.errors import OutputError, ScenarioError
 from scenarios.output.atomic_folder import SUMMARY
 from scenarios.pipeline.parallel import run_locally

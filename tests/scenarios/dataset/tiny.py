@@ -10,9 +10,10 @@ import numpy as np
 from flybench.events import EVENT_DTYPE
 from formats.writers.dsec import DsecWriter
 from scenarios.dataset.layout import EVENTS
-from scenarios.dataset.plan import SequencePlan, read_plan
+from scenarios.dataset.plan import read_plan
 from scenarios.dataset.run import DatasetResult, Task, run_dataset
 from scenarios.dataset.sequence import Cost, file_digests
+from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.output.atomic_folder import SUMMARY, atomic_folder, write_summary
 from scenarios.pipeline.parallel import run_locally
 
@@ -98,6 +99,8 @@ def quick_sequence(plan: SequencePlan, folder: Path) -> None:
             "aps_frames": 0,
             "direction": plan.crossing.direction.value,
             "image_speed_px_s": 100.0,
+            "illuminance_lux": plan.crossing.illuminance,
+            "objects": [],
             "boxes": {},
             "events": count,
             "parameters": {"crossing": plan.crossing.resolved(), "seed": plan.seed},

@@ -1,0 +1,1 @@
+"""What a sequence shows: a street, or any MuJoCo model."""
