@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from flybench.errors import FlybenchError
@@ -50,11 +51,14 @@ def run_on_cluster(
         work = [pickle.dumps((function, task, budget_gb())) for task in tasks]
         futures = client.map(_run_pickled, work, pure=False)
         number = {future.key: n for n, future in enumerate(futures)}
-        for future, result in _completed(distributed, client, futures, address):
+        for future, packed in _completed(distributed, client, futures, address):
             if future.status == "error":
-                raise _task_error(distributed, address, result[1])
-            if isinstance(result, BaseException):
-                raise _lost_error(address, result)
+                raise _task_error(distributed, address, packed[1])
+            if isinstance(packed, BaseException):
+                raise _lost_error(address, packed)
+            result = pickle.loads(packed)
+            if isinstance(result, _Failed):
+                raise result.error or _failed_error(address, result.text)
             yield number[future.key], result
             future.release()
 
@@ -89,20 +93,45 @@ def _completed(
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep the client's tracebacks about lost connections from the terminal."""
-    logger = logging.getLogger("distributed.client")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL)
+    loggers = [logging.getLogger(name) for name in ("distributed.client", "tornado.application")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        logger.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
-def _run_pickled(work: bytes) -> Any:
-    """Unpickle and run a task, so that a failed import is an error of the task, not the worker."""
-    function, task, budget = pickle.loads(work)
-    set_budget(budget)
-    return function(task)
+@dataclass(frozen=True)
+class _Failed:
+    """An error of a task.
+
+    Attributes:
+        text: the error in one line.
+        error: the error itself, if flybench raised it.
+    """
+
+    text: str
+    error: FlybenchError | None
+
+
+def _run_pickled(work: bytes) -> bytes:
+    """Unpickle and run a task, and return its result or its error, pickled.
+
+    An error is a result, because the client of distributed waits for ever for a task whose error
+    or traceback cannot be pickled. A failed import is an error of the task, not of the worker.
+    """
+    try:
+        function, task, budget = pickle.loads(work)
+        set_budget(budget)
+        return pickle.dumps(function(task))
+    except ModuleNotFoundError:  # the client knows what to say
+        raise
+    except Exception as error:
+        own = error if isinstance(error, FlybenchError) else None
+        return pickle.dumps(_Failed(describe(error), own))
 
 
 def _distributed() -> Any:
@@ -153,8 +182,6 @@ def _check_answer(host: str, port: int) -> None:
 
 def _task_error(distributed: Any, address: str, error: Exception) -> FlybenchError:
     """Return the error to raise for a task that failed; faults of the cluster are explained."""
-    if isinstance(error, FlybenchError):
-        return error
     if isinstance(error, distributed.KilledWorker):
         return ScenarioError(
             f"Several workers of the Dask cluster at {address} died while they ran the same task, "
@@ -166,9 +193,13 @@ def _task_error(distributed: Any, address: str, error: Exception) -> FlybenchErr
             f"A worker of the Dask cluster at {address} has no module {error.name}. Every worker "
             "needs the same flybench. Install it there."
         )
+    return _failed_error(address, describe(error))
+
+
+def _failed_error(address: str, text: str) -> ScenarioError:
     return ScenarioError(
-        f"A task failed on the Dask cluster at {address}: {describe(error)}. {_KEPT} Check that "
-        "scheduler and workers have the same flybench and the same libraries as this machine."
+        f"A task failed on the Dask cluster at {address}: {text}. {_KEPT} Check that scheduler and "
+        "workers have the same flybench and the same libraries as this machine."
     )
 
 

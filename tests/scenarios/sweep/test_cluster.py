@@ -66,11 +66,13 @@ def running_scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[byte
 
 
 @contextmanager
-def running_worker(folder: Path, address: str, n: int = 0) -> Iterator[subprocess.Popen[bytes]]:
+def running_worker(
+    folder: Path, address: str, n: int = 0, *options: str
+) -> Iterator[subprocess.Popen[bytes]]:
     """Run a worker with one thread that is not replaced when it is killed."""
     log = folder / f"worker{n}.log"
     arguments = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny"]
-    arguments += ["--no-dashboard", "--local-directory", str(folder)]
+    arguments += ["--no-dashboard", "--local-directory", str(folder), *options]
     with running(*arguments, log=log) as process:
         wait_until(lambda: "Starting established connection" in log.read_text())
         yield process
@@ -163,6 +165,21 @@ def test_an_error_in_a_task_is_one_sentence(scheduler: str, tmp_path: Path) -> N
         ),
     ):
         list(run_on_cluster(len, [1], address=scheduler))  # type: ignore[arg-type]
+
+
+def without_end(_: int) -> int:
+    """Fail with a traceback that cannot be pickled, as it is too deep."""
+    return without_end(0)
+
+
+def test_an_error_that_cannot_be_pickled_is_one_sentence_too(
+    scheduler: str, tmp_path: Path
+) -> None:
+    with (
+        running_worker(tmp_path, scheduler),
+        pytest.raises(ScenarioError, match=r"A task failed .* RecursionError: maximum recursion"),
+    ):
+        list(run_on_cluster(without_end, [1], address=scheduler))
 
 
 @pytest.mark.parametrize(
