@@ -103,4 +103,5 @@ def member(
     allowed = [item for item in kind if item not in without]
     if value in allowed:
         return kind(value)
-    raise error(f"{name} is {value!r}. Allowed is one of {', '.join(allowed)}. Choose one of them.")
+    shown = value.value if isinstance(value, StrEnum) else value
+    raise error(f"{name} is {shown!r}. Allowed is one of {', '.join(allowed)}. Choose one of them.")

@@ -21,7 +21,8 @@ from scenarios.dataset.spec_file import DatasetSpec, DatasetSpecError, read_spec
 from scenarios.errors import ScenarioError
 from scenarios.sweep.parameters import PRESET, Settings, changed
 from scenarios.sweep.random_sample import UNIFORM, Distribution
-from sim import Crossing, CrossingConfig, Profile, omega_from_speed
+from sim import Crossing, CrossingConfig, Profile, SceneConfigError, omega_from_speed
+from sim.config import RANGES
 from sim.render.filament import rendering_bytes
 
 _DEFAULT: PresetName = "davis346"
@@ -133,23 +134,26 @@ def _crossing(settings: Settings) -> CrossingConfig:
     speed_km_h = settings.get(SPEED)
     if speed_km_h is None:
         return config
-    omega_rad_s = omega_from_speed(speed_km_h, config.distance)
-    try:
-        return replace(config, omega_rad_s=omega_rad_s)
-    except FlybenchError as error:
+    omega_rad_s, allowed = omega_from_speed(speed_km_h, config.distance), RANGES["omega_rad_s"]
+    if not allowed.low <= omega_rad_s <= allowed.high:
+        low, high = (omega * config.distance * 3.6 for omega in (allowed.low, allowed.high))
         raise ScenarioError(
-            f"{SPEED} is {speed_km_h:g} at {config.distance:g} m: {error}"
-        ) from error
+            f"{SPEED} is {speed_km_h:g}, which is {omega_rad_s:.3g} rad/s at a distance of "
+            f"{config.distance:g} m. Allowed there is {low:.3g} to {high:.3g} km/h. Choose a speed "
+            "in that range."
+        )
+    return replace(config, omega_rad_s=omega_rad_s)
 
 
 def _check_bounds(spec: DatasetSpec, draws: Draws, first: Settings) -> None:
     """Check both ends of every range, which perhaps no sequence draws."""
     settings = dict(draws.fixed) | dict(first)
-    candidates = [settings]
-    for distribution in draws.drawn:
-        values = dict.fromkeys(distribution.values)
-        candidates += [settings | {distribution.name: value} for value in values]
-    for candidate in candidates:
+    candidates = [
+        settings | {distribution.name: value}
+        for distribution in draws.drawn
+        for value in dict.fromkeys(distribution.values)
+    ]
+    for candidate in (*candidates, settings):
         scene, sensor, _ = _configs(spec, candidate)
         if isinstance(scene, ModelTake):
             ModelScene(scene, sensor.width, sensor.height).check(spec.labels)
@@ -166,4 +170,9 @@ def _check(sequences: tuple[SequencePlan, ...]) -> None:
     for sequence in sequences:
         scene = sequence.scene
         if isinstance(scene, CrossingConfig) and scene.profile is Profile.CONSTANT_OMEGA:
-            Crossing(scene, sequence.lens)
+            try:
+                Crossing(scene, sequence.lens)
+            except SceneConfigError as error:
+                raise ScenarioError(
+                    f"sequence {sequence.name}: crossing.lead_s is {scene.lead_s:g}: {error}"
+                ) from error

@@ -72,7 +72,7 @@ def parse_labels(key: str, value: Any) -> tuple[Label, ...]:
             "labels."
         )
     for name in value:
-        if name in _IMPOSSIBLE:
+        if isinstance(name, str) and name in _IMPOSSIBLE:
             raise ScenarioError(f"{key} holds {name!r}. {_IMPOSSIBLE[name]}")
         if name not in names:
             raise ScenarioError(

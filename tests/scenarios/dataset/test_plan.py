@@ -113,11 +113,25 @@ def test_the_examples_are_valid() -> None:
 
 SPLITS = HEAD + "[splits]\ntrain = 2\ntest = 2\n"
 BAD = {
+    SPLITS + '[crossing]\ndirection = "none"': (
+        r"crossing\.direction is 'none'\. Allowed is one of right, left, up, down"
+    ),
+    SPLITS
+    + '[labels]\nwanted = [["flow"]]': r"labels\.wanted holds \['flow'\]\. Allowed is one",
+    SPLITS + "[crossing]\nomega_rad_s = nan": r"crossing\.omega_rad_s is nan\. Allowed is a number",
+    SPLITS
+    + "[crossing]\nomega_rad_s = {uniform = [nan, 2.0]}": r"low below high\. Correct the",
+    SPLITS + "[crossing]\nsun_elevation_deg = {uniform = [-10.0, 10.0]}": (
+        r"crossing\.sun_elevation_deg is -10\.0\. Allowed is a number from 5 to 90 deg"
+    ),
+    SPLITS + '[crossing]\nprofile = "constant_omega"\nlead_s = 10.0': (
+        r"sequence train/0000: crossing\.lead_s is 10: At t = .* Shorten lead_s"
+    ),
     SPLITS + "[crossing]\nspeed_km_h = 40\nomega_rad_s = 1.0": (
         r"crossing\.omega_rad_s and crossing\.speed_km_h are both set\. Allowed is one of them"
     ),
     SPLITS + "[crossing]\nspeed_km_h = {uniform = [100.0, 300.0]}": (
-        r"crossing\.speed_km_h is 300 at 6\.89 m: omega_rad_s is 12\.\d+\. Allowed is a number from"
+        r"speed_km_h is 300, which is 12\.1 rad/s at .* 6\.89 m\. Allowed there is 1\.24 to 248 km"
     ),
     SPLITS + "[crossing]\nspeed_km_h = 600": r"crossing\.speed_km_h is 600\. Allowed is a number",
     "title": r"title is None\. Allowed is one line of text in quotes",
