@@ -25,6 +25,7 @@ from scenarios.commands.sweep import Sweep
 from scenarios.commands.validate import Validate
 from scenarios.commands.velocity_sweep import VelocitySweep
 from scenarios.commands.view import View
+from scenarios.commands.viewing.video import Video
 from scenarios.output.terminal import run_cli
 
 DESCRIPTION = f"""\
@@ -50,6 +51,7 @@ Commands = (
     | Annotated[Characterise, subcommand("characterise")]
     | Annotated[Converge, subcommand("converge")]
     | Annotated[View, subcommand("view")]
+    | Annotated[Video, subcommand("video")]
     | Annotated[Doctor, subcommand("doctor")]
 )
 

@@ -45,7 +45,7 @@ LAYERS = {
     "scenarios": (
         "errors output pipeline options recording runs datasheet convergence "
         "detect convert validate event_statistics compare emulate calibrate envelope sweep "
-        "velocity_sweep study dataset datasets denoise commands cli"
+        "velocity_sweep study dataset datasets denoise film commands cli"
     ),
 }
 """Folders and modules inside a package, lowest first. Each may import those before it.

@@ -1,0 +1,1 @@
+"""Films of recordings: events over frames, regions, directions, truth and responses."""
