@@ -2,30 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import ast
+import importlib
+import sys
+from collections.abc import Callable
+from dataclasses import make_dataclass
+from functools import reduce
+from operator import or_
+from pathlib import Path
+from typing import Annotated, Any
 
 from tyro.conf import subcommand
 
 from flybench.version import __version__
-from scenarios.commands.characterise import Characterise
-from scenarios.commands.compare import Compare
-from scenarios.commands.converge import Converge
-from scenarios.commands.convert import Convert
-from scenarios.commands.data.dataset import Dataset
-from scenarios.commands.data.denoise import Denoise
-from scenarios.commands.demo import Demo
-from scenarios.commands.detect import Detect
-from scenarios.commands.doctor import Doctor
-from scenarios.commands.emulate import Emulate
-from scenarios.commands.envelope import Envelope
-from scenarios.commands.run import Run
-from scenarios.commands.sensor.calibrate import Calibrate
-from scenarios.commands.study import Study
-from scenarios.commands.sweep import Sweep
-from scenarios.commands.validate import Validate
-from scenarios.commands.velocity_sweep import VelocitySweep
-from scenarios.commands.view import View
-from scenarios.commands.viewing.video import Video
 from scenarios.output.terminal import run_cli
 
 DESCRIPTION = f"""\
@@ -33,32 +22,69 @@ Test bench for event-camera motion detectors, version {__version__}.
 
 flybench COMMAND --help explains a command. flybench --version prints the version."""
 
-Commands = (
-    Annotated[Run, subcommand("run")]
-    | Annotated[Demo, subcommand("demo")]
-    | Annotated[Detect, subcommand("detect")]
-    | Annotated[Validate, subcommand("validate")]
-    | Annotated[Compare, subcommand("compare")]
-    | Annotated[Convert, subcommand("convert")]
-    | Annotated[Emulate, subcommand("emulate")]
-    | Annotated[Study, subcommand("study")]
-    | Annotated[Sweep, subcommand("sweep")]
-    | Annotated[Dataset, subcommand("dataset")]
-    | Annotated[Denoise, subcommand("denoise")]
-    | Annotated[VelocitySweep, subcommand("velocity-sweep")]
-    | Annotated[Envelope, subcommand("envelope")]
-    | Annotated[Calibrate, subcommand("calibrate")]
-    | Annotated[Characterise, subcommand("characterise")]
-    | Annotated[Converge, subcommand("converge")]
-    | Annotated[View, subcommand("view")]
-    | Annotated[Video, subcommand("video")]
-    | Annotated[Doctor, subcommand("doctor")]
-)
+COMMANDS = {
+    "run": "run:Run",
+    "demo": "demo:Demo",
+    "detect": "detect:Detect",
+    "validate": "validate:Validate",
+    "compare": "compare:Compare",
+    "convert": "convert:Convert",
+    "emulate": "emulate:Emulate",
+    "study": "study:Study",
+    "sweep": "sweep:Sweep",
+    "dataset": "data.dataset:Dataset",
+    "denoise": "data.denoise:Denoise",
+    "velocity-sweep": "velocity_sweep:VelocitySweep",
+    "envelope": "envelope:Envelope",
+    "calibrate": "sensor.calibrate:Calibrate",
+    "characterise": "characterise:Characterise",
+    "converge": "converge:Converge",
+    "view": "view:View",
+    "video": "viewing.video:Video",
+    "doctor": "doctor:Doctor",
+}
+"""Module and class of each command in `scenarios.commands`. Only that of the chosen command is
+imported, because all of them together take 3 s of CPU."""
+
+_FOLDER = Path(__file__).parent / "commands"
 
 
 def main() -> None:
     """Run `flybench`."""
-    run_cli(Commands, prog="flybench", description=DESCRIPTION)
+    first = sys.argv[1] if len(sys.argv) > 1 else "--help"
+    if first in COMMANDS:
+        run_cli(command_class(first), prog=f"flybench {first}", arguments=sys.argv[2:])
+    is_option = first.startswith("-") and first not in ("-h", "--help")
+    run_cli(
+        _union(command_class if is_option else _outline),  # an option may come before the command
+        prog="flybench",
+        description=DESCRIPTION,
+        arguments=sys.argv[1:] or ["--help"],
+    )
+
+
+def command_class(name: str) -> Any:
+    """Return the class of a command, such as `scenarios.commands.run.Run` of "run"."""
+    module, _, kind = COMMANDS[name].partition(":")
+    return getattr(importlib.import_module(f"scenarios.commands.{module}"), kind)
+
+
+def _union(make: Callable[[str], Any]) -> Any:
+    """Return the type that stands for one of all commands."""
+    return reduce(or_, (Annotated[make(name), subcommand(name)] for name in COMMANDS))
+
+
+def _outline(name: str) -> Any:
+    """Return a class with the description of a command, without the libraries that it needs."""
+    module, _, kind = COMMANDS[name].partition(":")
+    source = _FOLDER.joinpath(*module.split(".")).with_suffix(".py")
+    classes = {
+        node.name: node
+        for node in ast.parse(source.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    }
+    text = ast.get_docstring(classes[kind])
+    return make_dataclass(kind, [], namespace={"__doc__": text})
 
 
 if __name__ == "__main__":

@@ -21,8 +21,9 @@ from scenarios.datasheet.page import render_page
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 from scenarios.output.versions import versions
 
 LOGS = Path("logs")

@@ -22,9 +22,10 @@ from scenarios.errors import ScenarioError
 from scenarios.options.distractors import DistractorOptions
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 from scenarios.output.versions import versions
 from sim import CrossingConfig, Lighting, VehicleKind
 

@@ -17,7 +17,8 @@ from scenarios.convert.section import LATEST_US, Crop, Section
 from scenarios.errors import ScenarioError
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import check_output_file
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.progress import progress_bar
+from scenarios.output.terminal import run_cli
 
 _CROP = re.compile(r"(\d{1,5}),(\d{1,5}),(\d{1,5}),(\d{1,5})")
 _LONGEST_S = 1e9

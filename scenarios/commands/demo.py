@@ -12,7 +12,8 @@ from scenarios.commands.run import LOGS, Run
 from scenarios.options.method import MethodName
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import check_output_folder
-from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.output.progress import progress_bar
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.running import make_detector
@@ -43,7 +44,7 @@ class Demo:
             make_detector(config)
         with progress_bar() as progress:
             summaries = [
-                (folder, record_run(config, place, progress.track(config.name)))
+                (folder, record_run(config, place, progress.track(config.title)))
                 for (folder, config), place in zip(runs, places, strict=True)
             ]
         print_runs(summaries)

@@ -25,8 +25,9 @@ from scenarios.emulate.time_unit import Unit
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_file import check_output_file
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, complain
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 
 WHITE_CD_M2 = 200.0
 """Luminance of a white display (assumed)."""

@@ -16,8 +16,9 @@ from scenarios.errors import ScenarioError
 from scenarios.options.method import RepeatedMethod
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import say
-from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.user_detectors import find_method
 

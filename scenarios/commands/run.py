@@ -16,7 +16,8 @@ from scenarios.options.distractors import DistractorOptions
 from scenarios.options.method import FilterName, MethodName, behind_filter
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import check_output_folder
-from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.output.progress import progress_bar
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import FLY
 from scenarios.pipeline.run_config import RunConfig
@@ -168,7 +169,7 @@ class Run:
             summary = record_run(
                 config,
                 place,
-                progress.track(config.name),
+                progress.track(config.title),
                 cache=cache,
                 also=self.also,
                 events_formats=self.events_format,

@@ -17,9 +17,10 @@ from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs

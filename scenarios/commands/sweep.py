@@ -14,8 +14,9 @@ from rich.table import Table
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.sensor import SensorOptions
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 from scenarios.pipeline.cluster import run_on_cluster
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
 from scenarios.pipeline.run_config import RunConfig

@@ -12,8 +12,9 @@ import tyro
 
 from scenarios.options.method import ALLOWED_METHODS
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.progress import ProgressBars, progress_bar
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import ProgressBars, progress_bar, report_failures, run_cli
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.registry import DETECTORS
 from scenarios.pipeline.user_detectors import find_method

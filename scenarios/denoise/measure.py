@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ from flybench.events import Cause, Events, concatenate_events
 from flybench.memory import count_memory
 from scenarios.denoise.roc import Roc, measure_roc
 from scenarios.errors import ScenarioError
+from scenarios.output.progress import Advance
 from scenarios.pipeline.feeding import DetectorFeed
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import add_truth, make_crossing
@@ -53,16 +54,16 @@ class Stream:
         return concatenate_events(self.events)
 
 
-def record_stream(
-    config: RunConfig, cache: LuminanceCache | None, progress: Callable[[int, int], None]
-) -> Stream:
+def record_stream(config: RunConfig, cache: LuminanceCache | None, progress: Advance) -> Stream:
     """Render a crossing, or load it from the cache, and show it to the sensor.
 
     Raises:
         MemoryBudgetError: the events do not fit into the memory budget.
         ScenarioError: no event is noise, or none is signal, so that there is nothing to filter.
     """
+    progress(0, 0, "building street")
     crossing = make_crossing(config, cache)
+    progress(0, 0, "first keyframes")
     sensor, causes = EventSensor(config.sensor, seed=config.seed), [np.empty(0, np.uint8)]
     stream, count = Stream([], [], [], causes[0], TargetTrack()), 0
     for sample in crossing.samples():

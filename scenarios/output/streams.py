@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.text import Text
 
 from flybench.printable import printable
+from scenarios.output.log import log_complaint, log_printed
 
 _PLAIN = {
     "→": ">",
@@ -111,11 +112,18 @@ class SafeConsole(Console):
 
 def say(text: str) -> None:
     """Print a line of our own output, with control characters escaped."""
+    log_printed(text)
     print(printable(text), file=own_output())
 
 
 def complain(text: str) -> None:
     """Print a line on standard error, such as an error; it may be closed."""
+    log_complaint(text)
+    note(text)
+
+
+def note(text: str) -> None:
+    """Print a line on standard error that is no complaint, such as the progress; not logged."""
     with suppress(OSError):
         print(f"flybench: {printable(text)}", file=sys.stderr, flush=True)
 

@@ -6,31 +6,27 @@ import os
 import signal
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+import time
+import traceback
+from collections.abc import Iterable, Sequence
 from dataclasses import field, make_dataclass
 from typing import Annotated, Any, Protocol
 
 import tyro
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
-from flybench.memory import DEFAULT_GB, VARIABLE, budget_gb, set_budget
-from flybench.printable import printable
 from scenarios.errors import is_interrupt
+from scenarios.output.log import log_complaint, log_step
 from scenarios.output.repetition import check_repetition
+from scenarios.output.shared_options import SharedOptions
 from scenarios.output.streams import (
-    SafeConsole,
     claim_output,
     complain,
     discard_output,
     own_output,
     prepare_streams,
 )
-
-_MEMORY_HELP = "Memory for large arrays in each process [GB]. What would need more is refused."
-_MEMORY_HINT = f"(default: ${VARIABLE}, or {DEFAULT_GB:g})"
 
 
 class Command(Protocol):
@@ -41,59 +37,6 @@ class Command(Protocol):
         ...
 
 
-class Advance(Protocol):
-    """Function that sets a progress bar."""
-
-    def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Set the amount done, the total, and a note that follows the label of the bar."""
-        ...
-
-
-class ProgressBars:
-    """Progress bars of several sequences, one line each."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-
-    def track(self, name: str) -> Advance:
-        """Add a bar.
-
-        Args:
-            name: label of the bar.
-
-        Returns:
-            Function that sets the bar from the amount done and the total, such as times in µs.
-        """
-        task = self._progress.add_task(printable(name), total=None)
-
-        def advance(done: int, total: int, note: str = "") -> None:
-            label = printable(f"{name}, {note}" if note else name)
-            self._progress.update(task, completed=done, total=total, description=label)
-
-        return advance
-
-
-@contextmanager
-def progress_bar(speed_over_s: float = 30.0) -> Iterator[ProgressBars]:
-    """Show progress bars on standard error while the block runs.
-
-    Args:
-        speed_over_s: period over which the speed is averaged to estimate the time left [s]; choose
-            a long period for long steps.
-    """
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    console = SafeConsole(stderr=True)
-    with Progress(*columns, console=console, speed_estimate_period=speed_over_s) as progress:
-        yield ProgressBars(progress)
-
-
 def has_display() -> bool:
     """Return True if a window can be opened."""
     if not sys.platform.startswith("linux"):
@@ -101,35 +44,44 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def run_cli(command: Any, *, prog: str | None = None, description: str | None = None) -> None:
+def run_cli(
+    command: Any,
+    *,
+    prog: str | None = None,
+    description: str | None = None,
+    arguments: Sequence[str] | None = None,
+) -> None:
     """Run a command with the arguments of this process, and exit with its status.
 
     Args:
         command: class of the command, or a union of classes for sub-commands.
         prog: name of the program in the help; None: that of the script.
         description: text above the options in the help; None: the docstring of the class.
+        arguments: arguments of the command; None: those of the process.
     """
     prepare_streams()
+    words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        arguments = tyro.cli(
+        parsed = tyro.cli(
             _with_shared_options(command),
             prog=prog,
+            args=words,
             description=description or command.__doc__,
             config=(tyro.conf.CascadeSubcommandArgs,),
         )
-        chosen: Any = arguments.command
-        check_repetition(sys.argv[1:], also_repeatable=getattr(chosen, "REPEATABLE", ()))
-        set_budget(budget_gb() if arguments.memory_gb is None else arguments.memory_gb)
+        chosen: Any = parsed.command
+        check_repetition(words, also_repeatable=getattr(chosen, "REPEATABLE", ()))
+        with parsed.shared.applied():
+            claim_output()
+            sys.exit(execute(chosen))
     except FlybenchError as error:  # raised by arguments that check themselves
         complain(str(error))
         sys.exit(2)
-    except SystemExit as end:  # the help is printed, or an argument is wrong
+    except SystemExit as end:  # also if the help is printed, or an argument is wrong
         sys.exit(_flushed(end.code))
     except BrokenPipeError:
         discard_output()
         sys.exit(1)
-    claim_output()
-    sys.exit(execute(chosen))
 
 
 def _flushed(status: Any) -> Any:
@@ -145,10 +97,14 @@ def _flushed(status: Any) -> Any:
 
 def _with_shared_options(command: Any) -> Any:
     """Return a class whose arguments are a command, and the options that all commands share."""
-    memory = tyro.conf.arg(metavar="GB", help=_MEMORY_HELP, help_behavior_hint=_MEMORY_HINT)
+    shared = tyro.conf.OmitArgPrefixes[SharedOptions]
     arguments: list[tuple[str, Any, Any]] = [
         ("command", Annotated[command, tyro.conf.arg(name="")], field()),
-        ("memory_gb", Annotated[float | None, memory], None),
+        (
+            "shared",
+            Annotated[shared, tyro.conf.arg(name="general")],
+            field(default_factory=SharedOptions),
+        ),
     ]
     return make_dataclass("Arguments", arguments)
 
@@ -160,9 +116,21 @@ def execute(command: Command) -> int:
     SIGTERM and SIGHUP act like Ctrl-C, so that temporary files are removed; the status is then 130.
     """
     _handle_signals_as_interrupt()
+    start_s = time.perf_counter()
+    try:
+        status = _executed(command)
+    except BaseException:
+        log_complaint(traceback.format_exc())
+        raise
+    log_step(f"status {status} after {time.perf_counter() - start_s:.1f} s")
+    return status
+
+
+def _executed(command: Command) -> int:
     try:
         return int(_flushed(command.execute()))
     except FlybenchError as error:
+        log_step(traceback.format_exc())
         complain(str(error))
         return 2
     except MemoryError:

@@ -65,6 +65,13 @@ class RunConfig:
         name = f"{c.lighting}_{c.direction}_{c.omega_rad_s:g}rad_s_seed{self.seed}"
         return name + method + suffix
 
+    @property
+    def title(self) -> str:
+        """Name of the run for people, such as "night, 1.42 rad/s, moving left"."""
+        c = self.crossing
+        method = "" if self.method == FLY else f", {self.method}"
+        return f"{c.lighting}, {c.omega_rad_s:.3g} rad/s, moving {c.direction}{method}"
+
     def parameters(self) -> dict[str, object]:
         """Return every parameter by its dotted name, such as "crossing.omega_rad_s"."""
         return dict(flatten(asdict(self) | {"crossing": self.crossing.resolved()}))

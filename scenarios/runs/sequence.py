@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
@@ -19,6 +19,7 @@ from scenarios.output.atomic_folder import (
     atomic_folder,
     write_summary,
 )
+from scenarios.output.progress import Advance
 from scenarios.output.tables import (
     ESTIMATE_COLUMNS,
     TRUTH_COLUMNS,
@@ -42,8 +43,6 @@ from scenarios.recording import SequenceRecorder
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
 from sim import Crossing, LuminanceCache, Sample
 
-Progress = Callable[[int, int], None]
-"""Called with the time reached and the duration of the sequence [µs]."""
 BYTES_RAD_S = 45e6
 """Size of a run's folder times its angular velocity (measured at 1.61 rad/s by day: 28 MB)."""
 EventsFormat = Literal["aedat4", "evt3", "text", "csv", "npz"]
@@ -58,7 +57,7 @@ def estimated_bytes(config: RunConfig) -> int:
 def record_run(
     config: RunConfig,
     folder: Path,
-    progress: Progress = lambda _done, _all: None,
+    progress: Advance = lambda _done, _all, _phase="": None,
     *,
     cache: LuminanceCache | None = None,
     also: Sequence[str] = (),
@@ -69,7 +68,8 @@ def record_run(
     Args:
         config: configuration of the run.
         folder: output folder; an earlier run in it is replaced when the new one is complete.
-        progress: function that is called after every sample.
+        progress: function that is called at the start of every phase and after every sample, with
+            the time reached and the duration of the sequence [µs].
         cache: cache for rendered luminance; None: no cache.
         also: names of further methods that get the same events, for comparison.
         events_formats: formats of further event files, such as events.aedat4; APS frames are
@@ -102,16 +102,18 @@ def _run_into(
     work: Path,
     config: RunConfig,
     watch: Stopwatch,
-    progress: Progress,
+    progress: Advance,
     cache: LuminanceCache | None,
     extra: Sequence[ExtraDetector],
     events_formats: Sequence[EventsFormat],
 ) -> Any:
+    progress(0, 0, "building street")
     feed, crossing = make_feed(config), make_crossing(config, cache)
     tally, track = EventTally(), TargetTrack()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     with ExitStack() as stack:
+        progress(0, 0, "colour previews")
         with watch.stage("record"):
             feeds = [feed, *(other.feed for other in extra)]
             recorder = stack.enter_context(_recorder(work, config, crossing, feeds))
@@ -121,6 +123,7 @@ def _run_into(
             _write_events(files, output)
             recorder.log(sample, output)
 
+        progress(0, 0, "first keyframes")
         for step in run_steps(config, crossing, feed, watch, record):
             _log_estimates(recorder, feed, step.estimates, watch)
             for other in extra:
@@ -131,12 +134,14 @@ def _run_into(
             add_truth(track, step.sample.truth)
             estimates += step.estimates
             truth_rows.append(truth_row(step.sample.truth))
-            progress(step.sample.t_us, crossing.duration_us)
+            progress(step.sample.t_us, crossing.duration_us, "crossing")
+        progress(0, 0, "writing")
     write_table(work / TRUTH, TRUTH_COLUMNS, truth_rows)
     write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
     for other in extra:
         rows = map(estimate_row, other.estimates)
         write_table(work / estimates_file(other.feed.method), ESTIMATE_COLUMNS, rows)
+    progress(crossing.duration_us, crossing.duration_us)
     scores = method_scores(feed, estimates, config, track)
     others = [method_scores(other.feed, other.estimates, config, track) for other in extra]
     return summarise(config, crossing, tally, scores, track) | {"detectors": [scores, *others]}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scenarios.output.terminal import ProgressBars
+from scenarios.output.progress import ProgressBars
 from scenarios.pipeline.repeats import run_repeats
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_crossing
@@ -28,8 +28,10 @@ def measure_velocity(
     Returns:
         One row per seed: the true motion, the method, the seed, and all scores.
     """
+    advance = progress.track(config.title)
+    advance(0, 0, "building street")
     crossing = make_crossing(config, cache)
-    advance = progress.track(config.name)
+    advance(0, 0, "first keyframes")
     used = range(config.seed, config.seed + seeds)
     by_seed, track = run_repeats(
         config, crossing.samples(), used, lambda t_us: advance(t_us, crossing.duration_us)

@@ -18,8 +18,9 @@ from scenarios.dataset.run import DatasetResult, Runner, needed_bytes, run_datas
 from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.dataset.size import duration_s, estimated_bytes
 from scenarios.errors import ScenarioError
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 from scenarios.pipeline.cluster import run_on_cluster
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
 

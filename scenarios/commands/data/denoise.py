@@ -24,9 +24,10 @@ from scenarios.options.cache import CacheOptions
 from scenarios.options.method import MethodNames
 from scenarios.options.sensor import SensorOptions, sensor_of
 from scenarios.output.atomic_folder import atomic_folder, check_output_folder, write_summary
+from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.tables import write_table
-from scenarios.output.terminal import progress_bar, report_failures, run_cli
+from scenarios.output.terminal import report_failures, run_cli
 from scenarios.output.versions import versions
 from scenarios.pipeline.frame_check import check_frames
 from scenarios.pipeline.registry import CONTRAST, FLY, PLANE_FIT, WIDE

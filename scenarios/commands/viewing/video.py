@@ -21,8 +21,9 @@ from scenarios.film.material import Material
 from scenarios.options.recording import RecordingOptions, events_file
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import RECORDING
+from scenarios.output.progress import ProgressBars, progress_bar
 from scenarios.output.streams import say
-from scenarios.output.terminal import ProgressBars, progress_bar, run_cli
+from scenarios.output.terminal import run_cli
 from scenarios.pipeline.registry import ROBUST
 
 SPEED, FPS, WINDOW_MS = 0.1, 25, 10.0
@@ -47,6 +48,7 @@ class Video:
             metavar="PATH ...",
             help="Folder of a run or a study, Rerun recording, or recording of any event camera. "
             "Several are shown side by side.",
+            help_behavior_hint="",
         ),
     ]
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]

@@ -13,7 +13,7 @@ from rich.table import Table
 from flybench.memory import VARIABLE
 from formats import FormatError
 from scenarios.output.streams import SafeConsole, say
-from scenarios.output.terminal import execute, progress_bar
+from scenarios.output.terminal import execute
 
 PRINTS_MUCH = """
 import sys
@@ -136,17 +136,6 @@ def test_text_is_printed_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert "\x1b" not in shown
     for part in ("[/red] :smile:", "[bold]\\x1b[2J", "[/red]\\x1b]0;title\\x07", "done: \\x1b[31m"):
         assert part in shown
-
-
-def test_a_progress_bar_shows_a_note_beside_its_name(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress_bar() as progress:
-        progress.track("street")(1, 2, "3.5 MB")
-    assert "street, 3.5 MB" in capsys.readouterr().err
-
-
-def test_a_progress_bar_takes_any_name() -> None:
-    with progress_bar() as progress:
-        progress.track("[/red]\x1b[2J")(1, 2)
 
 
 def test_memory_that_runs_out_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
