@@ -1,6 +1,7 @@
 """The command: `flybench`, or `python -m flybench`."""
 
 import atexit
+import importlib.util
 import os
 import shutil
 import signal
@@ -10,6 +11,8 @@ from pathlib import Path
 
 from flybench.version import __version__
 
+PACKAGES = ("sim", "emulator", "detector", "formats", "scenarios")
+"""Our packages, besides flybench itself."""
 _FOLDERS: list[str] = []
 """Temporary folders to remove at the end."""
 
@@ -22,15 +25,31 @@ def main() -> None:
         print(f"flybench {__version__}")
         return
     _give_matplotlib_a_folder()
+    _refuse_other_packages()
     try:
         from scenarios.cli import main as run
+
+        run()
     except ModuleNotFoundError as error:
         library = str(error.name).partition(".")[0]
         sys.exit(
             f"flybench: the command needs the library {library}, which is not installed. "
             "Install all that it needs with: pip install 'flybench[all]'"
         )
-    run()
+
+
+def _refuse_other_packages() -> None:
+    """End with one sentence if another module has the name of one of our packages."""
+    root = Path(__file__).resolve().parent.parent
+    for name in PACKAGES:
+        spec = importlib.util.find_spec(name)
+        origin = None if spec is None else spec.origin
+        if origin is not None and Path(origin).resolve().parent != root / name:
+            sys.exit(
+                f"flybench: {origin} hides the package {name} of flybench, which is in "
+                f"{root / name}. Rename that file, or start flybench in another folder or with "
+                "another PYTHONPATH."
+            )
 
 
 def _give_matplotlib_a_folder() -> None:

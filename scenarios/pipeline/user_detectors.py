@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import inspect
 import sys
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from typing import Any, Protocol
 
 from detector import Detector
 from detector.denoise import FILTERS, filtered
+from flybench.__main__ import PACKAGES
 from flybench.memory import MemoryBudgetError
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
@@ -45,7 +47,7 @@ def find_method(name: str) -> DetectorEntry | UserDetector:
 
     Args:
         name: a name in `DETECTORS`, or "package.module:Class" for a class that Python can import
-            from its module search path or from the current folder. With the name of a filter and
+            from the current folder or from its module search path. With the name of a filter and
             "+" before it, such as "stcf+fly", the detector sees only what the filter keeps.
 
     Raises:
@@ -83,11 +85,12 @@ def _behind_filter(
 
 
 def _import(module_name: str, method: str) -> ModuleType:
-    here = str(Path.cwd())
-    if here not in sys.path:  # an installed command does not search the current folder
-        sys.path.append(here)
+    here = Path.cwd()
+    if str(here) not in sys.path:  # an installed command does not search the current folder
+        sys.path.append(str(here))
+    sys.path.insert(0, str(here))  # the user's folder first, until the module is imported
     try:
-        return importlib.import_module(module_name)
+        return _from_folder(here, module_name) or importlib.import_module(module_name)
     except BaseException as error:
         if is_interrupt(error):
             raise
@@ -101,6 +104,42 @@ def _import(module_name: str, method: str) -> ModuleType:
             f"The module {module_name} of the method {method} cannot be imported: "
             f"{describe(error)}. Correct this error first."
         ) from error
+    finally:
+        sys.path.remove(str(here))
+
+
+def _from_folder(folder: Path, module_name: str) -> ModuleType | None:
+    """Return a module of a folder whose package has the name of one that is loaded already.
+
+    Such a package, for example the user's own `detector`, hides behind ours: the module is loaded
+    from its file. None: there is no such file, or no other package of that name.
+    """
+    top, *parts = module_name.split(".")
+    file = folder.joinpath(top, *parts).with_suffix(".py")
+    if not file.is_file():
+        return None
+    loaded = importlib.import_module(top) if top in PACKAGES else sys.modules.get(top)
+    if loaded is None or _is_in(loaded, folder / top):
+        return None
+    private = f"{module_name} in {folder}"
+    if private in sys.modules:
+        return sys.modules[private]
+    spec = importlib.util.spec_from_file_location(private, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules[private] = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[private]
+        raise
+    return module
+
+
+def _is_in(module: ModuleType, path: Path) -> bool:
+    """Return True if a loaded module is the package or the file of this path."""
+    file = getattr(module, "__file__", None)
+    return file is None or Path(file).is_relative_to(path) or Path(file) == path.with_suffix(".py")
 
 
 def _is_part(missing: str | None, module_name: str) -> bool:

@@ -50,3 +50,26 @@ def test_ctrl_c_removes_the_folder_of_matplotlib(tmp_path: Path) -> None:
     assert done.returncode == 130
     assert done.stdout.startswith(str(tmp_path / "flybench-"))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["sim.py", "formats/__init__.py"])
+def test_a_users_file_that_hides_a_package_is_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).touch()
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "flybench", "doctor"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 1
+    assert f"{tmp_path / name} hides the package {Path(name).parts[0].removesuffix('.py')}" in (
+        done.stderr
+    )
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_users_folder_without_init_hides_nothing(tmp_path: Path) -> None:
+    (tmp_path / "detector").mkdir()
+    (tmp_path / "detector" / "mine.py").touch()
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "flybench", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 0

@@ -1,5 +1,7 @@
 """Finding detectors by name."""
 
+from pathlib import Path
+
 import pytest
 
 from flybench.memory import MemoryBudgetError
@@ -56,3 +58,35 @@ def test_an_error_in_a_users_class_is_reported_with_its_place() -> None:
     make = find_method("some_detectors:Breaking").make
     with pytest.raises(MethodError, match=r"ZeroDivisionError: no room \(some_detectors.py, line"):
         make(width=346, height=260)
+
+
+OWN = "import {name}\nclass Own:\n    def push(self, events): return []\n"
+OWN += "    def advance(self, t_us): return []\n    def __init__(self, *, width, height): pass\n"
+
+
+@pytest.mark.parametrize("is_package", [True, False])
+def test_a_users_module_in_a_package_of_our_name_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_package: bool
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "detector"
+    folder.mkdir()
+    if is_package:
+        (folder / "__init__.py").touch()
+    (folder / "mine.py").write_text(OWN.format(name="detector.fly"))  # ours, not theirs
+    made = find_method("detector.mine:Own").make(width=346, height=260)
+    assert type(made).__name__ == "Own"
+    assert find_method("fly") is DETECTORS["fly"]
+    with pytest.raises(MethodError, match=r"no module detector\.other"):
+        find_method("detector.other:Own")
+
+
+def test_the_users_folder_comes_before_the_search_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here := tmp_path / "here").mkdir()
+    (here / "some_detectors.py").write_text(OWN.format(name="sys"))
+    monkeypatch.chdir(here)
+    monkeypatch.delitem(__import__("sys").modules, "some_detectors", raising=False)
+    assert find_method("some_detectors:Own").make(width=346, height=260)
+    monkeypatch.delitem(__import__("sys").modules, "some_detectors")
