@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
@@ -41,6 +41,12 @@ from scenarios.runs.run_table import view_command
 @dataclass(frozen=True)
 class Detect:
     """Detect the direction of motion in a recording of any event camera."""
+
+    GROUPS: ClassVar = {
+        "detector": ("scale_to_sensor", "time_scale"),
+        "output": ("json", "rrd", "plot", "overwrite"),
+        "input": (),
+    }
 
     file: Annotated[
         Path,

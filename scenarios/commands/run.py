@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import tyro
 
@@ -24,7 +24,7 @@ from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import make_detector
 from scenarios.runs.extra_detectors import make_extra_detectors
 from scenarios.runs.run_table import print_runs
-from scenarios.runs.sequence import EventsFormat, estimated_bytes, failures, record_run
+from scenarios.runs.sequence import EventsFormat, RunParts, estimated_bytes, failures, record_run
 from sim import CrossingConfig, Lighting, Profile, VehicleKind, omega_from_speed
 from sim.config import DEFAULT_DISTANCE_M, DEFAULT_ILLUMINANCE_LUX, PAPER_OMEGA_RAD_S
 
@@ -51,6 +51,16 @@ _ILLUMINANCE_HINT = (
 class Run:
     """Render one crossing, emulate the sensor, detect the direction and record everything."""
 
+    GROUPS: ClassVar = {
+        "scene": ("profile", "paint_reflectance", "distance_m", "street_seed"),
+        "light": ("illuminance_lux", "sun_azimuth_deg", "sun_elevation_deg"),
+        "distractors": (),
+        "sensor": ("seed", "noise"),
+        "detector": ("filter", "also"),
+        "output": ("recording", "event_labels", "only_events", "events_format"),
+        "quality": ("lead_s", "step_px", "supersample", "keyframe_px"),
+        "cache": (),
+    }
     lighting: Literal["day", "dusk", "night"] = "day"
     """Time of day: sun and sky, a fading sky with lamps, or street lamps and headlights."""
     omega: Annotated[
@@ -62,7 +72,10 @@ class Run:
     ] = None
     """Angular velocity of the vehicle at closest approach, 0.05 to 10 [rad/s]."""
     speed_km_h: Annotated[
-        float | None, tyro.conf.arg(metavar="KM_H", help_behavior_hint="(default: see --omega)")
+        float | None,
+        tyro.conf.arg(
+            metavar="KM_H", aliases=("--speed-kmh",), help_behavior_hint="(default: see --omega)"
+        ),
     ] = None
     """Speed of the vehicle [km/h]; use it instead of --omega."""
     direction: Literal["right", "left", "up", "down"] = "right"
@@ -111,6 +124,12 @@ class Run:
     """Sub-pixels per pixel along each axis that are rendered, 1 to 8."""
     keyframe_px: float = CrossingConfig.keyframe_px
     """Largest motion of an object in the image between two rendered keyframes, 1 to 128 [px]."""
+    recording: bool = True
+    """Write the Rerun recording; --no-recording saves most of the folder's size and some time."""
+    event_labels: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Write the cause and the source of each event into events.h5."""
+    only_events: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Write only the events, with --event-labels, and the truth: no recording, no estimates."""
     events_format: Annotated[
         tuple[EventsFormat, ...], tyro.conf.arg(help_behavior_hint="(default: events.h5 only)")
     ] = ()
@@ -173,6 +192,11 @@ class Run:
                 cache=cache,
                 also=self.also,
                 events_formats=self.events_format,
+                parts=RunParts(
+                    recording=self.recording and not self.only_events,
+                    estimates=not self.only_events,
+                    event_labels=self.event_labels or self.only_events,
+                ),
             )
         print_runs([(folder, summary)])
         return report_failures(failures(summary))

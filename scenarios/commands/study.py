@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import tyro
 
@@ -67,6 +67,14 @@ _SEEDS = Range(1, MOST_SEEDS, remedy="Use at least five to estimate the variabil
 @dataclass(frozen=True)
 class Study:
     """Run the paper's crossings with all methods, and test the paper's claims on the results."""
+
+    GROUPS: ClassVar = {
+        "conditions": ("moving_backgrounds", "second_sensor"),
+        "sensor": ("seeds",),
+        "output": ("recordings",),
+        "quality": ("contrast_hop_ms", "step_px", "supersample"),
+        "cache": (),
+    }
 
     lighting: Literal["day", "night", "both"] = "both"
     """Lighting: day (sun and sky), night (street lamps and headlights), or both in turn."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import tyro
 
@@ -43,6 +43,12 @@ TABLE = "velocities.csv"
 @dataclass(frozen=True)
 class VelocitySweep:
     """Run several angular velocities, and compare the estimates with the truth."""
+
+    GROUPS: ClassVar = {
+        "sensor": ("seed", "seeds"),
+        "quality": ("step_px", "supersample"),
+        "cache": (),
+    }
 
     lighting: Literal["day", "night", "both"] = "day"
     """day: sun and sky. night: street lamps and headlights. both: day, then night."""

@@ -17,7 +17,7 @@ from flybench.printable import printable
 from scenarios.output.log import log_step
 from scenarios.output.streams import SafeConsole, note
 
-_BAR_CHARACTERS = 10
+_BAR_CHARACTERS = 8
 _EVERY_S, _EVERY_SHARE = 10.0, 0.1
 """Least time and share of the work between two lines about one phase (assumed)."""
 
@@ -86,7 +86,8 @@ class _Phases:
         if phase == self._last:
             return False
         self._last = phase
-        log_step(self.label(phase))
+        if phase:
+            log_step(self.label(phase))
         return bool(phase)
 
 

@@ -18,6 +18,7 @@ from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
 from scenarios.errors import is_interrupt
 from scenarios.output.log import log_complaint, log_step
+from scenarios.output.option_groups import flat, grouped
 from scenarios.output.repetition import check_repetition
 from scenarios.output.shared_options import SharedOptions
 from scenarios.output.streams import (
@@ -63,13 +64,13 @@ def run_cli(
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         parsed = tyro.cli(
-            _with_shared_options(command),
+            _with_shared_options(grouped(command)),
             prog=prog,
             args=words,
             description=description or command.__doc__,
             config=(tyro.conf.CascadeSubcommandArgs,),
         )
-        chosen: Any = parsed.command
+        chosen: Any = flat(command, parsed.command)
         check_repetition(words, also_repeatable=getattr(chosen, "REPEATABLE", ()))
         with parsed.shared.applied():
             claim_output()

@@ -34,8 +34,10 @@ def print_runs(runs: Summaries) -> None:
         if name in _SECTION_ENDS:
             table.add_section()
     console.print(table)
-    for folder, _ in runs:
-        line = f"{folder / RECORDING}   open it with: {view_command(folder)}"
+    for folder, summary in runs:
+        line = f"wrote {folder}"
+        if summary.get("recording", True):
+            line = f"{folder / RECORDING}   open it with: {view_command(folder)}"
         console.print(line, soft_wrap=True)
 
 

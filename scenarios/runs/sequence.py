@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -40,6 +41,7 @@ from scenarios.pipeline.running import (
 from scenarios.pipeline.scoring import TargetTrack
 from scenarios.pipeline.summary import EventTally, method_scores, summarise
 from scenarios.recording import SequenceRecorder
+from scenarios.runs.event_labels import EventLabels
 from scenarios.runs.extra_detectors import ExtraDetector, make_extra_detectors
 from sim import Crossing, LuminanceCache, Sample
 
@@ -47,6 +49,21 @@ BYTES_RAD_S = 45e6
 """Size of a run's folder times its angular velocity (measured at 1.61 rad/s by day: 28 MB)."""
 EventsFormat = Literal["aedat4", "evt3", "text", "csv", "npz"]
 """Formats of further event files, besides DSEC's HDF5; see `formats.WRITERS`."""
+
+
+@dataclass(frozen=True)
+class RunParts:
+    """What the folder of a run contains, besides events, truth and summary.
+
+    Attributes:
+        recording: True for the Rerun recording.
+        estimates: True for the tables of estimates.
+        event_labels: True for cause and source of each event, in events.h5.
+    """
+
+    recording: bool = True
+    estimates: bool = True
+    event_labels: bool = False
 
 
 def estimated_bytes(config: RunConfig) -> int:
@@ -62,6 +79,7 @@ def record_run(
     cache: LuminanceCache | None = None,
     also: Sequence[str] = (),
     events_formats: Sequence[EventsFormat] = (),
+    parts: RunParts = RunParts(),
 ) -> Any:
     """Run one sequence, and write its folder: recording, events, tables and summary.
 
@@ -74,6 +92,7 @@ def record_run(
         also: names of further methods that get the same events, for comparison.
         events_formats: formats of further event files, such as events.aedat4; APS frames are
             written too if the format holds frames.
+        parts: what the folder contains.
 
     Returns:
         The contents of `summary.json`. A detector that failed has "failed", the reason, instead of
@@ -90,7 +109,8 @@ def record_run(
     with atomic_folder(folder) as work:
         with watch.stage(TOTAL):
             extra = make_extra_detectors(config, also)
-            summary = _run_into(work, config, watch, progress, cache, extra, events_formats)
+            summary = _run_into(work, config, watch, progress, cache, extra, events_formats, parts)
+        summary["recording"] = parts.recording
         is_rendered = cache is None or cache.rendered > rendered_before
         summary["luminance"] = "rendered" if is_rendered else "from the cache"
         summary["wall_s"] = {name: round(seconds, 3) for name, seconds in watch.wall_s.items()}
@@ -106,22 +126,28 @@ def _run_into(
     cache: LuminanceCache | None,
     extra: Sequence[ExtraDetector],
     events_formats: Sequence[EventsFormat],
+    parts: RunParts,
 ) -> Any:
     progress(0, 0, "building street")
     feed, crossing = make_feed(config), make_crossing(config, cache)
-    tally, track = EventTally(), TargetTrack()
+    tally, track, labels = EventTally(), TargetTrack(), EventLabels()
     estimates: list[MotionEstimate] = []
     truth_rows = []
     with ExitStack() as stack:
-        progress(0, 0, "colour previews")
+        recorder: SequenceRecorder | None = None
         with watch.stage("record"):
-            feeds = [feed, *(other.feed for other in extra)]
-            recorder = stack.enter_context(_recorder(work, config, crossing, feeds))
+            if parts.recording:
+                progress(0, 0, "colour previews")
+                feeds = [feed, *(other.feed for other in extra)]
+                recorder = stack.enter_context(_recorder(work, config, crossing, feeds))
             files = _open_event_files(stack, work, config, events_formats)
 
         def record(sample: Sample, output: SensorOutput) -> None:
             _write_events(files, output)
-            recorder.log(sample, output)
+            if parts.event_labels:
+                labels.add(output)
+            if recorder is not None:
+                recorder.log(sample, output)
 
         progress(0, 0, "first keyframes")
         for step in run_steps(config, crossing, feed, watch, record):
@@ -136,11 +162,15 @@ def _run_into(
             truth_rows.append(truth_row(step.sample.truth))
             progress(step.sample.t_us, crossing.duration_us, "crossing")
         progress(0, 0, "writing")
+    if parts.event_labels:
+        progress(0, 0, "sources of the events")
+        labels.write(work / EVENTS, crossing)
     write_table(work / TRUTH, TRUTH_COLUMNS, truth_rows)
-    write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
-    for other in extra:
-        rows = map(estimate_row, other.estimates)
-        write_table(work / estimates_file(other.feed.method), ESTIMATE_COLUMNS, rows)
+    if parts.estimates:
+        write_table(work / ESTIMATES, ESTIMATE_COLUMNS, map(estimate_row, estimates))
+        for other in extra:
+            rows = map(estimate_row, other.estimates)
+            write_table(work / estimates_file(other.feed.method), ESTIMATE_COLUMNS, rows)
     progress(crossing.duration_us, crossing.duration_us)
     scores = method_scores(feed, estimates, config, track)
     others = [method_scores(other.feed, other.estimates, config, track) for other in extra]
@@ -197,11 +227,13 @@ def _recorder(
 
 
 def _log_estimates(
-    recorder: SequenceRecorder,
+    recorder: SequenceRecorder | None,
     feed: DetectorFeed,
     estimates: Sequence[MotionEstimate],
     watch: Stopwatch,
 ) -> None:
+    if recorder is None:
+        return
     with watch.stage("record"):
         for estimate in estimates:
             recorder.log_estimate(feed.method, estimate, fly_maps(feed.detector))

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
@@ -44,6 +45,28 @@ def test_the_folder_holds_the_documented_files(finished_run: tuple[Path, str]) -
     names = {path.name for path in folder.iterdir()}
     documented = {"recording.rrd", "events.h5", "truth.csv", "estimates.csv", "summary.json"}
     assert names == documented | {"events.aedat4", "events.raw"}
+
+
+def test_a_run_of_only_the_events_has_their_causes_and_sources(
+    finished_run: tuple[Path, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "events"
+    run = Run(omega=2.42, step_px=8, supersample=1, seed=7, only_events=True, out=folder)
+    assert run.execute() == 0
+    assert {path.name for path in folder.iterdir()} == {"events.h5", "truth.csv", "summary.json"}
+    assert "wrote" in capsys.readouterr().out
+    events = read_events(folder / "events.h5")
+    assert np.array_equal(events, read_events(finished_run[0] / "events.h5"))
+    with h5py.File(folder / "events.h5") as file:
+        cause, source = file["events/cause"], file["events/source"]
+        assert cause.attrs["0"] == "signal"
+        assert source.attrs["-2"] == "noise"
+        causes, sources = cause[:], source[:]
+    assert causes.size == sources.size == events.size
+    counts = summary_of(finished_run[0])["events"]["by_cause"]
+    assert np.count_nonzero(causes == 0) == counts["signal"]
+    assert set(sources[causes != 0]) == {-2}
+    assert np.mean(sources[causes == 0] == 0) > 0.9  # nothing else moves
 
 
 def test_additional_formats_hold_equal_events_and_the_aps_frames(

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
@@ -40,6 +40,12 @@ _LONGEST_S = 1e9
 @dataclass(frozen=True)
 class Video:
     """Make a film: events over frames, region and direction of a detector, truth, responses."""
+
+    GROUPS: ClassVar = {
+        "section": ("from_s", "to_s", "recording"),
+        "picture": ("fps", "window_ms", "scale"),
+        "input": (),
+    }
 
     paths: Annotated[
         tuple[Path, ...],

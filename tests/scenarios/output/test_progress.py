@@ -2,6 +2,7 @@
 
 import io
 import sys
+import time
 
 import pytest
 from rich.progress import Progress
@@ -32,7 +33,7 @@ def test_elsewhere_a_long_phase_has_a_line_for_each_tenth(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now_s = iter(range(1000))
-    monkeypatch.setattr(module.time, "perf_counter", lambda: float(next(now_s)))
+    monkeypatch.setattr(time, "perf_counter", lambda: float(next(now_s)))
     with progress_bar() as bars:
         advance = bars.track("study")
         for done in range(1, 51):
