@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
+from urllib.parse import quote
 
 import tyro
 
@@ -13,7 +16,7 @@ from flybench.checks import Range
 from scenarios.errors import ScenarioError
 from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.atomic_folder import RECORDING
-from scenarios.output.streams import say
+from scenarios.output.streams import complain, own_output, say
 from scenarios.output.terminal import has_display, run_cli
 from scenarios.recording.screenshot import screenshot
 from scenarios.recording.viewer_process import (
@@ -51,7 +54,7 @@ class View:
             help_behavior_hint=f"(default: {WEB_PORT}, or a free one if that is in use)",
         ),
     ] = None
-    """Port of the page that --web serves, 1 to 65535."""
+    """Port of the page that --web serves, 1 to 65535; its data have a second port, 9876 if free."""
     screenshot: Annotated[
         Path | None,
         tyro.conf.arg(
@@ -90,17 +93,27 @@ class View:
                 "There is no display for a window. Use --web to serve the viewer to a browser, or "
                 "--screenshot FILE.png for a picture."
             )
-        command = [viewer_program(), *map(str, recordings), "--bind", HOST, *self._web_options()]
-        return subprocess.call(command, preexec_fn=end_with_parent())
+        page, data = self._ports()
+        command = [viewer_program(), *map(str, recordings), "--bind", HOST, "--port", str(data)]
+        if page is not None:
+            command += ["--serve-web", "--web-viewer-port", str(page)]
+            say(web_message(page, data))
+            own_output().flush()
+        quiet = {**os.environ, "RUST_LOG": os.environ.get("RUST_LOG", "error")}
+        status = subprocess.call(command, env=quiet, preexec_fn=end_with_parent())
+        if status > 0:
+            complain(f"The viewer ended with status {status}. Its own message is above.")
+        return status
 
-    def _web_options(self) -> list[str]:
+    def _ports(self) -> tuple[int | None, int]:
+        """Return the ports of the page and of the data; a window has no page."""
         if not self.web:
             if self.port is not None:
                 raise ScenarioError(
                     f"--port is {self.port} without --web. Allowed is --port with --web only, "
                     "because a window has no port. Add --web, or leave --port out."
                 )
-            return []
+            return None, free_port(DATA_PORT)
         if self.port is not None:
             _PORT.check("--port", self.port, ScenarioError)
             if not is_free(self.port):
@@ -109,8 +122,23 @@ class View:
                     "is a free port. Choose another, or leave --port out for any free one."
                 )
         page = self.port or free_port(WEB_PORT)
-        data = free_port(DATA_PORT, reserved=page)
-        return ["--serve-web", "--web-viewer-port", str(page), "--port", str(data)]
+        return page, free_port(DATA_PORT, reserved=page)
+
+
+def web_message(page: int, data: int) -> str:
+    """Return what to open in a browser, here and on another machine.
+
+    Args:
+        page: port of the page.
+        data: port from which the page loads the recording; it must have the same number on both
+            machines, because it is part of the address.
+    """
+    address = f"http://{HOST}:{page}?url={quote(f'rerun+http://{HOST}:{data}/proxy', safe='')}"
+    tunnel = f"ssh -L {page}:{HOST}:{page} -L {data}:{HOST}:{data} {socket.gethostname()}"
+    return (
+        f"Open {address} in a browser.\nFrom another machine, first run there: {tunnel}\n"
+        "End with Ctrl-C."
+    )
 
 
 def find_recordings(path: Path, name: str | None = None) -> list[Path]:

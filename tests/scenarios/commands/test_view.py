@@ -59,7 +59,7 @@ def test_the_error_for_an_unknown_name_lists_the_recordings(study: Path) -> None
 
 
 def test_one_local_viewer_opens_all_recordings(
-    monkeypatch: pytest.MonkeyPatch, study: Path
+    monkeypatch: pytest.MonkeyPatch, study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     called: list[list[str]] = []
 
@@ -69,19 +69,38 @@ def test_one_local_viewer_opens_all_recordings(
 
     monkeypatch.setattr(subprocess, "call", call)
     assert view.View(study, web=True, port=free_port()).execute() == 0
-    ((program, *files, bind, address, web, _, _, _, _),) = called
+    ((program, *files, bind, address, _, data, web, _, page),) = called
     assert Path(program).name == "rerun"
     assert [Path(file).stem for file in files] == ["day_1.21", "day_2.42", "night_1.07"]
     assert (bind, address, web) == ("--bind", "127.0.0.1", "--serve-web")
+    first, second, _ = capsys.readouterr().out.splitlines()
+    proxy = f"rerun%2Bhttp%3A%2F%2F127.0.0.1%3A{data}%2Fproxy"
+    assert first == f"Open http://127.0.0.1:{page}?url={proxy} in a browser."
+    assert f"ssh -L {page}:127.0.0.1:{page} -L {data}:127.0.0.1:{data} " in second
+
+
+def test_two_windows_have_different_ports(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        used = other.getsockname()[1]
+        monkeypatch.setattr(view, "DATA_PORT", used)
+        page, data = view.View(Path())._ports()
+    assert (page, data != used) == (None, True)
+
+
+def test_a_viewer_that_fails_is_named(
+    monkeypatch: pytest.MonkeyPatch, study: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(subprocess, "call", lambda *_, **__: 3)
+    assert view.View(study, web=True).execute() == 3
+    assert "The viewer ended with status 3" in capsys.readouterr().err
 
 
 def test_the_page_and_the_data_have_different_ports(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(view, "is_free", lambda _: True)
     monkeypatch.setattr(viewer_process, "is_free", lambda _: True)
-    options = view.View(Path(), web=True, port=view.DATA_PORT)._web_options()
-    assert options[:3] == ["--serve-web", "--web-viewer-port", str(view.DATA_PORT)]
-    assert options[4] != options[2]
-    assert view.View(Path(), web=True)._web_options()[2::2] == ["9090", "9876"]
+    page, data = view.View(Path(), web=True, port=view.DATA_PORT)._ports()
+    assert (page, data != page) == (view.DATA_PORT, True)
+    assert view.View(Path(), web=True)._ports() == (9090, 9876)
 
 
 def test_a_picture_shows_the_chosen_recording(
@@ -133,7 +152,7 @@ def test_a_port_in_use_is_refused_or_another_is_taken(
             view.View(study, web=True, port=port).execute()
         monkeypatch.setattr(view, "WEB_PORT", port)
         assert view.View(study, web=True).execute() == 0
-    ((*_, web, page, _, data),) = called
+    ((*_, data, _, web, page),) = called
     assert (web, page.isdecimal(), data.isdecimal()) == ("--web-viewer-port", True, True)
     assert page != str(port)
 
