@@ -43,7 +43,7 @@ LAYERS = {
         "writers"
     ),
     "scenarios": (
-        "errors output pipeline options recording runs datasheet convergence "
+        "errors output pipeline styles options recording runs datasheet convergence "
         "detect convert validate event_statistics compare emulate calibrate envelope sweep "
         "velocity_sweep study dataset datasets denoise film commands cli"
     ),

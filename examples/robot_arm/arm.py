@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flybench import EventCamera, FlyDetector, open_model
+from flybench.colours import OFF, ON
 
 MODEL = Path(__file__).with_name("arm.xml")
 AIM = np.array([0.0, 0.75, 0.45, 0.3])
@@ -22,7 +23,6 @@ SWING_S = 0.5
 """Duration of the swing [s]."""
 SHOWN_US = 20_000
 """Events of this last part of the run are plotted [µs]."""
-ON_RGB, OFF_RGB = (0.84, 0.19, 0.12), (0.1, 0.62, 0.47)
 
 
 def run(seconds: float, step_px: float):
@@ -60,14 +60,14 @@ def plot(path: Path, events, frame, luminance, estimate) -> None:
     scene.set_title("luminance")
     image = np.ones((*luminance.shape, 3))
     last = events[events["t"] > events["t"][-1] - SHOWN_US]
-    image[last["y"], last["x"]] = np.where(last["p"][:, None], ON_RGB, OFF_RGB)
+    image[last["y"], last["x"]] = np.where(last["p"][:, None], ON, OFF) / 255
     recent.imshow(image, interpolation="nearest")
-    recent.set_title("events of 20 ms: ON red, OFF green")
+    recent.set_title("events of 20 ms: ON blue, OFF orange")
     if estimate is not None:
         recent.set_title(f"events of 20 ms, fly's estimate: {estimate.direction}")
         if estimate.roi_px is not None:
             x0, y0, x1, y1 = estimate.roi_px
-            recent.plot([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0], color="#1f6eb4")
+            recent.plot([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0], color="#00A884")
     if frame is not None:
         aps.imshow(frame.image, cmap="gray", interpolation="nearest")
         aps.set_title(f"APS frame, exposure {frame.exposure_us / 1000:.1f} ms")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from flybench.colours import SERIES
 from scenarios.compare.compared import Compared
 from scenarios.event_statistics.interval_histogram import F64, bin_edges_us
 from scenarios.event_statistics.noise import BRIGHTNESS_EDGES, brightness_label
@@ -17,7 +18,7 @@ from scenarios.event_statistics.recording_statistics import RecordingStatistics
 from scenarios.output.figures import figure_file, literal
 
 SIZE_IN = (11.0, 6.4)
-COLOURS = ("#1f6eb4", "#d95f02")
+COLOURS = SERIES[:2]
 _MAX_EVENTS = 12
 _BINS_A_DECADE = 12
 _SHARES = ("on_share", "with_predecessor", "single_event_edges", "alternation", "quiet_alternation")

@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from flybench.colours import OFF, ON
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import decode_flow, read_png
 from scenarios.dataset.layout import EVENTS, FORWARD, IMAGES, TRACKS, file_name
@@ -21,7 +22,7 @@ _WINDOW_US = 10_000
 """Events of this time are shown [µs] (assumed)."""
 _COLUMN_IN, _ROW_IN = 3.2, 2.3
 _MAX_SPLITS = 4
-_ON, _OFF, _BOX = (0.84, 0.37, 0.0), (0.0, 0.45, 0.70), "#CC79A7"
+_BOX = "#CC79A7"
 
 
 def draw_overview(path: Path, folder: Path, plan: DatasetPlan, summaries: Summaries) -> None:
@@ -53,7 +54,9 @@ def _draw_sequence(
     place, middle = folder / summary["sequence"], summary["label_times"] // 2
     t_us = middle * summary["period_us"]
     axes[0].imshow(_event_image(place / EVENTS, t_us), interpolation="nearest")
-    axes[0].set_title(f"{literal(summary['sequence'])}: events of {_WINDOW_US / 1000:g} ms")
+    axes[0].set_title(
+        f"{literal(summary['sequence'])}: {_WINDOW_US / 1000:g} ms, ON blue, OFF orange"
+    )
     _draw_boxes(axes[0], place / TRACKS, t_us, [item["kind"] for item in summary["objects"]])
     for axis, label in zip(axes[1:], panels, strict=False):
         if label is Label.IMAGES:
@@ -78,7 +81,7 @@ def _event_image(path: Path, end_us: int) -> npt.NDArray[np.float32]:
             int(index[min(max(t_us, 0) // 1000, last)]) for t_us in (end_us - _WINDOW_US, end_us)
         )
         x, y, p = (file[f"events/{name}"][start:end] for name in "xyp")
-    image[y, x] = np.where(p[:, None] > 0, _ON, _OFF)
+    image[y, x] = np.where(p[:, None] > 0, ON, OFF) / 255
     return image
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -12,12 +14,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emulator.characterisation import Plot, Series, Style
+from flybench.colours import OFF, ON, SERIES, Rgb, hex_colour
 
 SIZE_IN = (4.4, 3.3)
 """Width and height of a plot: small enough for its text to be readable on a phone [inch]."""
 _LEGEND_LETTERS = 54
 """Letters that fit in one line of a legend."""
-_FEW_COLOURS = ("#0b5fa5", "#d1495b", "#2f8f5b", "#7a5195", "#6b6b6b")
+_MARKERS, _LINES = "osD^v", ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+"""Markers and lines of a few curves, in turn, since colour alone does not distinguish them for all.
+"""
+_FEW_POINTS = 16
+"""Most points of a curve that are marked one by one."""
 _RC: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "flybench",
@@ -50,10 +57,9 @@ def draw(plot: Plot) -> Figure:
     """Draw a plot as a matplotlib figure."""
     figure = Figure(figsize=SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
-    indices = _colour_indices(plot.series)
-    colours = _colours(max(indices, default=0) + 1)
-    for series, index in zip(plot.series, indices, strict=True):
-        _draw_series(axes, series, colours[index % len(colours)])
+    looks = _looks(plot.series)
+    for series in plot.series:
+        _draw_series(axes, series, looks[id(series)])
     axes.set_title(plot.title, loc="left", fontweight="bold")
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label)
@@ -68,42 +74,73 @@ def draw(plot: Plot) -> Figure:
     return figure
 
 
-def _draw_series(axes: Axes, series: Series, colour: str) -> None:
-    label = series.label or None
+@dataclass(frozen=True)
+class _Look:
+    """Colour, marker and line of one curve."""
+
+    colour: str
+    marker: str
+    line: Any
+
+
+def _draw_series(axes: Axes, series: Series, look: _Look) -> None:
+    draw, label = axes.plot, series.label or None
     if series.style is Style.PUBLISHED:
-        axes.plot(
+        draw(
             series.x,
             series.y,
             linestyle="none",
             marker="D",
             markersize=6,
             markerfacecolor="white",
-            markeredgecolor=colour if series.colour_index is not None else "black",
+            markeredgecolor=look.colour if series.colour_index is not None else "black",
             markeredgewidth=1.4,
             label=label,
             zorder=5,
         )
     elif series.style is Style.POINTS:
-        axes.plot(series.x, series.y, linestyle="none", marker="o", color=colour, label=label)
+        draw(series.x, series.y, ls="none", marker=look.marker, color=look.colour, label=label)
     elif series.style is Style.GUIDE:
-        axes.plot(series.x, series.y, color="#6b6b6b", linestyle="--", linewidth=1.0, label=label)
+        draw(series.x, series.y, color="#6b6b6b", linestyle="--", linewidth=1.0, label=label)
     elif series.style is Style.STEPS:
-        axes.plot(series.x, series.y, drawstyle="steps-mid", color=colour, label=label)
+        draw(series.x, series.y, drawstyle="steps-mid", color=look.colour, label=label)
     else:
-        few = series.x.size <= 16
-        axes.plot(series.x, series.y, marker="o" if few else "", color=colour, label=label)
+        marker = look.marker if series.x.size <= _FEW_POINTS else ""
+        draw(series.x, series.y, look.line, marker=marker, color=look.colour, label=label)
 
 
-def _colour_indices(series: Sequence[Series]) -> list[int]:
-    return [n if one.colour_index is None else one.colour_index for n, one in enumerate(series)]
+def _looks(series: Sequence[Series]) -> dict[int, _Look]:
+    """Return the look of each series, by its id; series with the same index share one."""
+    indices = [n if one.colour_index is None else one.colour_index for n, one in enumerate(series)]
+    number = max(indices, default=0) + 1
+    colours = _colours(number) | {
+        index: hex_colour(rgb)
+        for one, index in zip(series, indices, strict=True)
+        if (rgb := _polarity_colour(one.label)) is not None
+    }
+    distinct = number <= len(SERIES)
+    return {
+        id(one): _Look(
+            colours[index],
+            _MARKERS[index] if distinct else "o",
+            _LINES[index] if distinct else "-",
+        )
+        for one, index in zip(series, indices, strict=True)
+    }
 
 
-def _colours(number: int) -> Sequence[str]:
+def _colours(number: int) -> dict[int, str]:
     """Return distinct colours for a few curves, and a sequential colour scale for many."""
-    if number <= len(_FEW_COLOURS):
-        return _FEW_COLOURS
+    if number <= len(SERIES):
+        return dict(enumerate(SERIES))
     scale = mpl.colormaps["viridis"]
-    return [mpl.colors.to_hex(scale(0.93 * k / (number - 1))) for k in range(number)]
+    return {k: mpl.colors.to_hex(scale(0.93 * k / (number - 1))) for k in range(number)}
+
+
+def _polarity_colour(label: str) -> Rgb | None:
+    """Return the colour of the one polarity that a label names; None if it names none or both."""
+    named = [rgb for word, rgb in (("ON", ON), ("OFF", OFF)) if re.search(rf"\b{word}\b", label)]
+    return named[0] if len(named) == 1 else None
 
 
 def _lowest(series: Sequence[Series]) -> float:

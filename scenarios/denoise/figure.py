@@ -6,18 +6,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from flybench.colours import SERIES
 from scenarios.denoise.measure import NO_FILTER, Row
 from scenarios.denoise.roc import Roc
 from scenarios.output.figures import figure_file
 
 COLOURS = {
-    NO_FILTER: "#6b6b6b",
-    "baf": "#0072B2",
-    "stcf": "#D55E00",
-    "time-surface": "#009E73",
-    "double-window": "#CC79A7",
+    NO_FILTER: SERIES[4],
+    "baf": SERIES[0],
+    "stcf": SERIES[1],
+    "time-surface": SERIES[2],
+    "double-window": SERIES[3],
 }
-"""Colours that colour-blind readers can tell apart (Okabe and Ito, 2008)."""
+MARKERS = dict(zip(COLOURS, "osD^v", strict=True))
 _PANEL_IN = 2.6
 
 
@@ -35,7 +36,7 @@ def draw_roc(path: Path, rows: Sequence[Row], curves: Mapping[float, Mapping[str
             for name, roc in of_filters.items():
                 axis.plot(roc.kept_noise, roc.kept_signal, color=COLOURS[name], label=name)
                 signal, noise = roc.at_default
-                axis.plot(noise, signal, "o", color=COLOURS[name])
+                axis.plot(noise, signal, MARKERS[name], color=COLOURS[name])
             axis.plot([0, 1], [0, 1], ":", color="#999999", linewidth=0.8)
             axis.set(title=f"{lux:g} lux", xlabel="noise kept", xlim=(0, 1), ylim=(0, 1))
         axes[0].set_ylabel("signal kept (dots: default threshold)")
@@ -45,7 +46,7 @@ def draw_roc(path: Path, rows: Sequence[Row], curves: Mapping[float, Mapping[str
 def _draw_areas(axis: Any, rows: Sequence[Row]) -> None:
     for name in dict.fromkeys(row["filter"] for row in rows):
         own = sorted((r["illuminance_lux"], r["auc"]) for r in rows if r["filter"] == name)
-        axis.plot(*zip(*own, strict=True), marker="o", color=COLOURS[name], label=name)
+        axis.plot(*zip(*own, strict=True), marker=MARKERS[name], color=COLOURS[name], label=name)
     axis.set(title="area", xlabel="illuminance [lux]", xscale="log", ylim=(0.4, 1.02))
     axis.legend(fontsize=7)
 
@@ -69,7 +70,12 @@ def draw_steps(path: Path, rows: Sequence[Row]) -> None:
                     and row["accuracy_after_100ms"] is not None
                 )
                 if own:
-                    axis.plot(*zip(*own, strict=True), marker="o", color=COLOURS[name], label=name)
+                    axis.plot(
+                        *zip(*own, strict=True),
+                        marker=MARKERS[name],
+                        color=COLOURS[name],
+                        label=name,
+                    )
             axis.set(title=method, xlabel="illuminance [lux]", xscale="log", ylim=(-3, 103))
         axes[0].set_ylabel("right steps after 100 ms [%]")
         axes[-1].legend(fontsize=7)

@@ -40,7 +40,7 @@ def blueprint(
 
     Args:
         crossing: crossing that is recorded.
-        methods: entity paths of the methods, by name, in the order of their colours.
+        methods: entity paths of the methods, by name.
         maps_of: name of the method that has a fly's maps; None: no method has maps.
         lists_recordings: True to open the panel in which the user chooses a recording.
     """
@@ -57,7 +57,7 @@ def stream_blueprint(
     Args:
         width: sensor columns [px].
         height: sensor rows [px].
-        methods: entity paths of the methods, by name, in the order of their colours.
+        methods: entity paths of the methods, by name.
         maps_of: name of the method that has a fly's maps; None: no method has maps.
         has_frames: True if there are APS frames.
     """

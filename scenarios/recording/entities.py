@@ -7,6 +7,8 @@ from typing import Final
 
 import rerun as rr
 
+from flybench.colours import Rgb
+
 TIMELINE: Final = "time"
 """Name of the only time line: time since the start of the sequence."""
 
@@ -99,31 +101,19 @@ def paths_of(method: str, number: int) -> MethodPaths:
     )
 
 
-Rgb = tuple[int, int, int]
-
-ON_RGB: Final[Rgb] = (255, 84, 72)
-OFF_RGB: Final[Rgb] = (46, 214, 150)
-"""The paper's red and green, with different lightness for colour-blind readers."""
 NOISE_RGB: Final[Rgb] = (150, 150, 160)
 TRUTH_RGB: Final[Rgb] = (255, 214, 64)
-METHOD_RGB: Final[tuple[Rgb, ...]] = (
-    (92, 190, 255),
-    (255, 150, 60),
-    (205, 140, 255),
-    (240, 240, 240),
-    (255, 120, 190),
-    (170, 200, 90),
-)
-"""Colours of the methods, in turn; they differ from those of truth, ON and OFF (by eye)."""
-VERTICAL_RGB: Final[Rgb] = (205, 140, 255)
+CAMERA_RGB: Final[Rgb] = (92, 190, 255)
+"""Colour of the camera in the 3-D view."""
+VERTICAL_RGB: Final[Rgb] = (150, 150, 160)
 """Colour of the vertical axis if both axes are in one plot."""
 DIRECTION_RGB: Final[dict[str, Rgb]] = {
-    "right": (38, 110, 180),
-    "left": (178, 100, 32),
-    "up": (120, 80, 170),
-    "down": (52, 130, 84),
+    "right": (24, 118, 96),
+    "left": (160, 60, 120),
+    "up": (116, 104, 20),
+    "down": (92, 86, 160),
 }
-"""Backgrounds of the direction lanes, dark enough for white text."""
+"""Backgrounds of the direction lanes: dark enough for white text, and unlike ON and OFF."""
 ARROW: Final = {"right": "→", "left": "←", "up": "↑", "down": "↓"}
 COLORMAP: Final = "inferno"
 """Colour map of the fly's maps, in which 0 is black."""

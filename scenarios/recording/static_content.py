@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import rerun as rr
 
+from flybench.colours import OFF, ON, Rgb, rgb_of
 from flybench.events import Cause
 from flybench.printable import printable
 from scenarios.recording import entities as at
 from scenarios.recording.event_batches import class_id
+from scenarios.styles.method_style import method_style
 from sim import Crossing
 from sim.truth.body_meshes import WORLD, BodyMesh, body_meshes
 
@@ -25,8 +26,8 @@ LINE_WIDTH_PT = 2.0
 ON_TOP = 40.0
 """Draw order of boxes and markers; the viewer's default for points, such as events, is 30."""
 _RATES = (
-    (at.RATE_ON, "ON", at.ON_RGB),
-    (at.RATE_OFF, "OFF", at.OFF_RGB),
+    (at.RATE_ON, "ON", ON),
+    (at.RATE_OFF, "OFF", OFF),
     (at.RATE_NOISE, "noise", at.NOISE_RGB),
 )
 _MASK_CLASSES = [(0, "not the target", (0, 0, 0, 0)), (1, "target", (*at.TRUTH_RGB, 90))]
@@ -35,7 +36,7 @@ _MASK_CLASSES = [(0, "not the target", (0, 0, 0, 0)), (1, "target", (*at.TRUTH_R
 def log_static_content(
     stream: rr.RecordingStream, crossing: Crossing, methods: Mapping[str, at.MethodPaths]
 ) -> None:
-    """Write everything that does not change with time; methods in the order of their colours."""
+    """Write everything that does not change with time."""
     log_static(stream, at.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     for mesh in body_meshes(crossing.scene.model):
         log_static(stream, at.STREET if mesh.name == WORLD else body_path(mesh.name), _mesh(mesh))
@@ -52,9 +53,10 @@ def log_styles(stream: rr.RecordingStream, methods: Mapping[str, at.MethodPaths]
     log_static(stream, at.EVENTS, rr.Points2D.from_fields(radii=EVENT_RADIUS_PX))
     for path, name, rgb in _RATES:
         _log_curve(stream, path, name, rgb)
-    colours = itertools.cycle(at.METHOD_RGB)
-    for (name, paths), rgb in zip(methods.items(), colours, strict=False):
-        _log_method_styles(stream, paths, rgb, name if len(methods) > 1 else None)
+    for name, paths in methods.items():
+        style = method_style(name)
+        label = style.label if len(methods) > 1 else None
+        _log_method_styles(stream, paths, rgb_of(style.colour), label)
 
 
 def log_parameters(stream: rr.RecordingStream, parameters: Mapping[str, object]) -> None:
@@ -111,7 +113,7 @@ def _log_camera(stream: rr.RecordingStream, crossing: Crossing) -> None:
         width=intrinsics.width,
         height=intrinsics.height,
         image_plane_distance=IMAGE_PLANE_M,
-        color=at.METHOD_RGB[0],
+        color=at.CAMERA_RGB,
     )
     log_static(stream, at.CAMERA, pinhole)
 
@@ -119,7 +121,7 @@ def _log_camera(stream: rr.RecordingStream, crossing: Crossing) -> None:
 def _event_classes() -> rr.AnnotationContext:
     classes = []
     for cause in Cause:
-        for on, name, rgb in ((False, "OFF", at.OFF_RGB), (True, "ON", at.ON_RGB)):
+        for on, name, rgb in ((False, "OFF", OFF), (True, "ON", ON)):
             signal = cause is Cause.SIGNAL
             label = name if signal else f"{name}, {cause.name.lower()}"
             colour = rgb if signal else tuple(round(part * at.NOISE_DIMMING) for part in rgb)
@@ -137,28 +139,28 @@ def _log_truth_styles(stream: rr.RecordingStream) -> None:
 
 
 def _log_method_styles(
-    stream: rr.RecordingStream, paths: at.MethodPaths, rgb: at.Rgb, name: str | None
+    stream: rr.RecordingStream, paths: at.MethodPaths, rgb: Rgb, label: str | None
 ) -> None:
-    """Write colours and legends of a method; the name is None if it is the only one."""
+    """Write colours and legends of a method; the label is None if it is the only one."""
     log_static(stream, paths.roi, _outline(rgb))
     log_static(stream, paths.view_centre, _marker(rgb))
     log_static(stream, paths.direction, _lane())
-    vertical_rgb = at.VERTICAL_RGB if name is None else rgb
-    _log_curve(stream, paths.hs, name or "HS, rightward > 0", rgb)
-    _log_curve(stream, paths.vs, name or "VS, downward > 0", vertical_rgb)
-    _log_curve(stream, paths.velocity_x, name or "estimate", rgb)
-    _log_curve(stream, paths.velocity_y, name or "estimate", rgb)
+    vertical_rgb = at.VERTICAL_RGB if label is None else rgb
+    _log_curve(stream, paths.hs, label or "HS, rightward > 0", rgb)
+    _log_curve(stream, paths.vs, label or "VS, downward > 0", vertical_rgb)
+    _log_curve(stream, paths.velocity_x, label or "estimate", rgb)
+    _log_curve(stream, paths.velocity_y, label or "estimate", rgb)
 
 
-def _log_curve(stream: rr.RecordingStream, path: str, name: str, rgb: at.Rgb) -> None:
+def _log_curve(stream: rr.RecordingStream, path: str, name: str, rgb: Rgb) -> None:
     log_static(stream, path, rr.SeriesLines(names=name, colors=rgb, widths=LINE_WIDTH_PT))
 
 
-def _outline(rgb: at.Rgb) -> rr.Boxes2D:
+def _outline(rgb: Rgb) -> rr.Boxes2D:
     return rr.Boxes2D.from_fields(colors=rgb, radii=rr.Radius.ui_points(1.5), draw_order=ON_TOP)
 
 
-def _marker(rgb: at.Rgb) -> rr.Points2D:
+def _marker(rgb: Rgb) -> rr.Points2D:
     return rr.Points2D.from_fields(colors=rgb, radii=rr.Radius.ui_points(4.0), draw_order=ON_TOP)
 
 

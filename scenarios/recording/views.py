@@ -92,7 +92,7 @@ def events_view(
     over = [] if attention is None else [attention.roi, attention.view_centre]
     boxes = "true box, region" if options.has_truth else "region"
     return rrb.Spatial2DView(
-        name=f"Events of {EVENT_WINDOW_S * 1e3:.0f} ms: ON red, OFF green; {boxes}",
+        name=f"Events of {EVENT_WINDOW_S * 1e3:.0f} ms: ON blue, OFF orange; {boxes}",
         origin=at.CAMERA,
         contents=[at.EVENTS, *([at.TRUTH_BOX] if options.has_truth else []), *over],
         background=(0, 0, 0),

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from flybench.colours import OFF, ON
 from flybench.events import Events
 from flybench.memory import check_memory
 from scenarios.detect.plot_data import SNAPSHOT_US
@@ -18,9 +19,6 @@ IMAGES = 4
 
 _BYTES_PER_PX = 14
 """Memory for a pixel: the image, and at most its PNG, which is copied twice as text."""
-
-_ON, _OFF = (31, 48, 215), (119, 158, 27)
-"""Blue, green and red of ON and OFF events, the colours of the figure of `flybench detect`."""
 
 
 def event_images(stimulus: Stimulus) -> Sequence[tuple[int, str]]:
@@ -47,8 +45,8 @@ def _last_events(events: Events, end_us: int) -> Events:
 
 def _png(stimulus: Stimulus, events: Events) -> str:
     image = np.full((stimulus.height, stimulus.width, 3), 255, np.uint8)
-    for polarity, colour in ((False, _OFF), (True, _ON)):
+    for polarity, colour in ((False, OFF), (True, ON)):
         of_polarity = events[events["p"] == polarity]
-        image[of_polarity["y"], of_polarity["x"]] = colour
+        image[of_polarity["y"], of_polarity["x"]] = colour[::-1]  # OpenCV takes blue, green, red
     _, png = cv2.imencode(".png", image)
     return f"data:image/png;base64,{b64encode(png.tobytes()).decode()}"

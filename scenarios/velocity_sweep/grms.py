@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import spearmanr
 
-from scenarios.output.figures import figure_file
+from scenarios.output.figures import figure_file, literal
+from scenarios.styles.lighting_style import lighting_style
+from scenarios.styles.method_style import MethodStyle, method_style
 
 Rows = Sequence[dict[str, Any]]
-COLOURS = {"day": "#d1742a", "night": "#31508f"}
 MIN_SPEEDS = 2
 
 
@@ -52,28 +53,30 @@ def draw_grms(path: Path, rows: Rows, *, method: str) -> None:
         rows: rows with lighting, seed, omega_rad_s and grms.
         method: name of the detector, for the title.
     """
-    ranks = spearman_by_seed(rows)
+    ranks, style = spearman_by_seed(rows), method_style(method)
     with figure_file(path, (5.2, 3.6)) as figure:
         axes = figure.add_subplot()
         for lighting in dict.fromkeys(row["lighting"] for row in rows):
             own = [row for row in rows if row["lighting"] == lighting and row["grms"] is not None]
             if own:
-                _draw_lighting(axes, lighting, own, list(ranks[lighting].values()))
+                _draw_lighting(axes, lighting, style, own, list(ranks[lighting].values()))
         axes.set_xlabel("angular velocity [rad/s]")
         axes.set_ylabel("GRMS of the response [1/s]")
         axes.set_ylim(bottom=0)
         axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
-        axes.set_title(f"GRMS against velocity: {method}")
+        axes.set_title(f"GRMS against velocity: {literal(style.label)}")
         axes.legend(loc="upper left")
 
 
-def _draw_lighting(axes: Axes, lighting: str, rows: Rows, ranks: Sequence[float | None]) -> None:
-    colour = COLOURS[lighting]
+def _draw_lighting(
+    axes: Axes, lighting: str, style: MethodStyle, rows: Rows, ranks: Sequence[float | None]
+) -> None:
     omegas = sorted({row["omega_rad_s"] for row in rows})
     for seed in dict.fromkeys(row["seed"] for row in rows):
         own = sorted((r["omega_rad_s"], r["grms"]) for r in rows if r["seed"] == seed)
-        axes.plot(*np.transpose(own), color=colour, alpha=0.25, linewidth=0.8)
+        axes.plot(*np.transpose(own), color=style.colour, alpha=0.25, linewidth=0.8)
     means = [np.mean([r["grms"] for r in rows if r["omega_rad_s"] == w]) for w in omegas]
     rising = sum(rank == 1.0 for rank in ranks)
     label = f"{lighting}: rises throughout in {rising} of {len(ranks)} seeds"
-    axes.plot(omegas, means, color=colour, marker="o", linewidth=2, label=label)
+    line = lighting_style(lighting, style.colour)
+    axes.plot(omegas, means, marker=style.marker, label=label, **line)

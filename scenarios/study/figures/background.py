@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from scenarios.output.figures import figure_file
-from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.response_panels import NO_DECISION, WRONG
 from scenarios.study.figures.sequence_axis import methods_of
 from scenarios.study.figures.snapshot_panels import (
@@ -23,6 +22,7 @@ from scenarios.study.figures.snapshot_panels import (
 from scenarios.study.results import SequenceResult
 from scenarios.study.rows import Row, study_rows
 from scenarios.study.statistics import select
+from scenarios.styles.method_style import method_style
 
 _COLUMN_IN, _LABELS_IN, _IMAGE_IN, _BAR_IN = 1.5, 2.2, 1.15, 0.17
 _RIGHT = "#8a8a8a"

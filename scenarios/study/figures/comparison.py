@@ -18,17 +18,17 @@ from flybench.direction import Direction
 from scenarios.output.figures import figure_file
 from scenarios.pipeline.registry import gives_velocity, is_fly
 from scenarios.pipeline.scoring import SETTLING_US
-from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.sequence_axis import (
     TRUTH_LINE,
     add_legend,
     label_methods,
     label_sequences,
-    lighting_style,
     methods_of,
     truth_handle,
 )
 from scenarios.study.results import MethodRun, SequenceResult
+from scenarios.styles.lighting_style import lighting_style
+from scenarios.styles.method_style import method_style
 
 Sequences = Sequence[SequenceResult]
 Value = Callable[[SequenceResult, MethodRun], float | None]

@@ -15,7 +15,6 @@ from matplotlib.lines import Line2D
 
 from scenarios.output.figures import figure_file
 from scenarios.pipeline.registry import DETECTORS, Family
-from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.response_panels import (
     draw_response,
     draw_velocity,
@@ -31,6 +30,7 @@ from scenarios.study.figures.snapshot_panels import (
     white_level_dn,
 )
 from scenarios.study.results import SequenceResult
+from scenarios.styles.method_style import method_style
 
 Draw = Callable[[Axes, SequenceResult], None]
 

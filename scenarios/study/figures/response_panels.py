@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from detector.estimate import MotionEstimate
 from flybench.direction import Direction
 from scenarios.study.figures.curves import F64, Curve, Value, curve, mean_curve
-from scenarios.study.figures.method_style import MethodStyle, method_style
 from scenarios.study.results import MethodRun, SequenceResult
+from scenarios.styles.method_style import MethodStyle, method_style
 
 BESIDE_US = 120_000
 """Time shown before and after the vehicle is in view [µs]."""

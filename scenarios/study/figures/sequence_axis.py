@@ -1,4 +1,4 @@
-"""Axes with a position for each sequence or method, and the styles of day and night."""
+"""Axes with a position for each sequence or method."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from scenarios.study.figures.method_style import in_display_order, method_style
 from scenarios.study.results import SequenceResult
+from scenarios.styles.lighting_style import lighting_style
+from scenarios.styles.method_style import in_display_order, method_style
 
 TRUTH_LINE: Any = {"color": "black", "linestyle": "--", "linewidth": 1.1}
 _LINE_LETTERS = 14
@@ -45,20 +46,6 @@ def label_methods(axes: Axes, methods: Sequence[str]) -> None:
 def wrap_label(label: str) -> str:
     """Break a label into lines that fit beside a panel."""
     return textwrap.fill(label, _LINE_LETTERS)
-
-
-def lighting_style(lighting: str, colour: str) -> dict[str, Any]:
-    """Return the line style of a lighting: filled and solid by day, else hollow and dashed."""
-    is_day = lighting == "day"
-    return {
-        "color": colour,
-        "linestyle": "-" if is_day else (0, (4, 2)),
-        "linewidth": 1.7,
-        "markersize": 6,
-        "markerfacecolor": colour if is_day else "white",
-        "markeredgecolor": colour,
-        "markeredgewidth": 1.4,
-    }
 
 
 def truth_handle() -> Line2D:

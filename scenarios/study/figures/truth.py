@@ -13,16 +13,16 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from scenarios.output.figures import figure_file
-from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.sequence_axis import (
     add_legend,
     label_sequences,
-    lighting_style,
     methods_of,
 )
 from scenarios.study.results import SequenceResult
 from scenarios.study.rows import Row, study_rows
 from scenarios.study.statistics import mean_interval
+from scenarios.styles.lighting_style import lighting_style
+from scenarios.styles.method_style import method_style
 
 WIDTH_IN = 7.8
 _PANEL_IN = 1.62

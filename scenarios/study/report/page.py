@@ -24,7 +24,6 @@ from scenarios.study.conditions import (
     second_sensor_rows,
 )
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
-from scenarios.study.figures.method_style import in_display_order, method_style
 from scenarios.study.report.parameters import (
     Parameter,
     class_description,
@@ -40,6 +39,7 @@ from scenarios.study.report.tables import (
 from scenarios.study.results import STILL, SequenceResult
 from scenarios.study.rows import Row
 from scenarios.study.statistics import distinct
+from scenarios.styles.method_style import in_display_order, method_style
 
 TITLE = "The paper's evaluation, repeated with exact ground truth"
 METHODS, COMMAND = "methods", "command"

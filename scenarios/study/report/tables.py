@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from scenarios.study.figures.method_style import in_display_order, method_style
 from scenarios.study.rows import Row
 from scenarios.study.statistics import distinct, interval_of, select
+from scenarios.styles.method_style import in_display_order, method_style
 
 NO_VALUE = "–"
 

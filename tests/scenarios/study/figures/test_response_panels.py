@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from flybench.direction import Direction
 from scenarios.pipeline.registry import CONTRAST, FLY
-from scenarios.study.figures.method_style import method_style
 from scenarios.study.figures.response_panels import (
     NO_DECISION,
     WRONG,
@@ -17,6 +16,7 @@ from scenarios.study.figures.response_panels import (
     draw_velocity,
     runs_of,
 )
+from scenarios.styles.method_style import method_style
 from tests.scenarios.study.synthetic_results import IN_VIEW_US, make_run, make_sequence
 
 

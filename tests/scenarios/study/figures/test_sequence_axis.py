@@ -5,7 +5,6 @@ from scenarios.study.figures.sequence_axis import (
     add_legend,
     label_methods,
     label_sequences,
-    lighting_style,
 )
 from tests.scenarios.study.synthetic_results import make_sequence
 
@@ -35,8 +34,3 @@ def test_the_legend_has_each_method_and_lighting_once() -> None:
         "day",
         "night",
     ]
-
-
-def test_day_is_filled_and_night_is_hollow() -> None:
-    assert lighting_style("day", "#123456")["markerfacecolor"] == "#123456"
-    assert lighting_style("night", "#123456")["markerfacecolor"] == "white"

@@ -1,4 +1,4 @@
-"""Name, colour and marker of a method in all figures and tables of the study."""
+"""Name, colour and marker of a method, the same in every figure, table and recording."""
 
 from __future__ import annotations
 
@@ -24,16 +24,23 @@ class MethodStyle:
     marker: str
 
 
-_USER_STYLES = (("#000000", "X"), ("#7a5195", "P"), ("#8c6d31", "*"))
-"""Colours and markers for users' classes."""
+_USER_STYLES = (("#7D7D7D", "X"), ("#A0752A", "P"), ("#8A63B0", "*"))
+"""Colours and markers for users' classes, visible on white and on black."""
 
 
 def method_style(method: str) -> MethodStyle:
-    """Return the style of a method; a user's class is labelled with its own name."""
+    """Return the style of a method; a user's class is labelled with its own name.
+
+    A method behind a filter, such as "stcf+fly", is labelled "stcf + event-driven fly".
+    """
     if method in DETECTORS:
         entry = DETECTORS[method]
         return MethodStyle(entry.label, entry.colour, entry.marker)
-    return MethodStyle(method, *_USER_STYLES[zlib.crc32(method.encode()) % len(_USER_STYLES)])
+    colour, marker = _USER_STYLES[zlib.crc32(method.encode()) % len(_USER_STYLES)]
+    event_filter, _, detector = method.rpartition("+")
+    known = event_filter and detector in DETECTORS
+    label = f"{event_filter} + {DETECTORS[detector].label}" if known else method
+    return MethodStyle(label, colour, marker)
 
 
 def in_display_order(methods: Iterable[str]) -> list[str]:

@@ -1,0 +1,1 @@
+"""Styles of figures, tables and recordings: how methods and lightings look."""
