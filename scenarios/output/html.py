@@ -15,6 +15,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_GREY_SPREAD = 24
+"""Largest difference of red, green and blue in a colour that counts as grey (assumed)."""
 _SVG, _XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 
 
@@ -51,6 +53,8 @@ def inline_svg(text: str, *, prefix: str, label: str) -> Markup:
 
     Figures use the same ids, and within a page the first element with an id would serve all
     figures, so every id gets a prefix. Metadata and the size are removed; the page sets the size.
+    Black, white and greys become shades between the page's ink and paper, so that they change with
+    the colour scheme of the reader; other colours and images stay as they are.
 
     Args:
         text: a whole SVG file.
@@ -68,11 +72,26 @@ def inline_svg(text: str, *, prefix: str, label: str) -> Markup:
     for element in root.iter():
         for name, value in element.attrib.items():
             element.set(name, _with_prefix(name, value, prefix))
+        if "style" in element.attrib:
+            element.set("style", _themed(element.attrib["style"]))
     root.set("role", "img")
     root.set("aria-label", label)
     for name in ("width", "height"):
         root.attrib.pop(name, None)
     return Markup(ElementTree.tostring(root, encoding="unicode"))
+
+
+def _themed(style: str) -> str:
+    """Replace greys by mixtures of the page's colours of ink and paper."""
+    return re.sub("#[0-9a-fA-F]{6}", lambda found: _mixture(found[0]), style)
+
+
+def _mixture(colour: str) -> str:
+    parts = bytes.fromhex(colour[1:])
+    if max(parts) - min(parts) > _GREY_SPREAD:
+        return colour
+    ink = round(100 * (1 - sum(parts) / (3 * 255)))
+    return f"color-mix(in srgb, var(--ink) {ink}%, var(--paper))"
 
 
 def _with_prefix(name: str, value: str, prefix: str) -> str:

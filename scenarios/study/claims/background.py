@@ -6,10 +6,18 @@ from collections.abc import Sequence
 from statistics import fmean
 
 from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, WIDE
-from scenarios.study.claims.claim import Claim, Verdict, format_interval, not_tested
+from scenarios.study.claims.claim import (
+    Claim,
+    Verdict,
+    format_interval,
+    mean_texts,
+    not_tested,
+)
+from scenarios.study.claims.small_table import SmallTable
 from scenarios.study.conditions import moving_background_rows
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, distinct, interval_of, mean_interval, select
+from scenarios.styles.method_style import method_style
 
 CORRECT = "accuracy_after_100ms"
 
@@ -41,14 +49,14 @@ def background_is_suppressed(rows: Sequence[Row]) -> Claim:
     evidence = (
         f"Of the settled steps in front of a moving background, {with_it} are correct with "
         f"attention, and {without} without, a difference of {_points(overall)}. Attention makes "
-        f"more steps correct in {len(better)} of {len(gains)} sequences{_names(better)}, and fewer "
-        f"in {len(worse)}{_names(worse)}."
+        f"more steps correct in {len(better)} of {len(gains)} sequences, and fewer in {len(worse)} "
+        "(95 % intervals)."
     )
     if all(row[CORRECT] == 1.0 for row in select(own, method=FLY_EVERYWHERE)):
         evidence += " Every step is correct without attention, so that there is nothing to gain."
     if (wide := attention_gain(own, WIDE)) is not None:
         evidence += f" For the fly with several delays the difference is {_points(wide)}."
-    return Claim(statement, where, _verdict(overall, better, worse), evidence)
+    return Claim(statement, where, _verdict(overall, better, worse), evidence, _tables(own))
 
 
 def attention_gain(rows: Sequence[Row], method: str) -> Interval | None:
@@ -81,8 +89,23 @@ def _verdict(overall: Interval, better: Sequence[str], worse: Sequence[str]) -> 
 
 def _points(gain: Interval) -> str:
     scaled = Interval(100 * gain.mean, 100 * gain.low, 100 * gain.high, gain.number)
-    return format_interval(scaled, "percentage points")
+    return format_interval(scaled, "percentage points", digits=2)
 
 
-def _names(sequences: Sequence[str]) -> str:
-    return f" ({', '.join(name.replace('_', ' ') for name in sequences)})" if sequences else ""
+def _tables(rows: Sequence[Row]) -> tuple[SmallTable, ...]:
+    """Return the correct steps with and without attention, for each lighting and background."""
+    tables = []
+    for lighting in distinct(rows, "lighting"):
+        own = select(rows, lighting=lighting)
+        backgrounds = distinct(own, "background")
+        lines = []
+        for method in (FLY, FLY_EVERYWHERE):
+            found = {
+                name: interval_of(select(own, method=method, background=name), CORRECT)
+                for name in backgrounds
+            }
+            cells = tuple(mean_texts(found, "%").values())
+            lines.append((method_style(method).label, cells))
+        title = f"correct steps [%], {lighting}"
+        tables.append(SmallTable(title, "background", tuple(backgrounds), tuple(lines)))
+    return tuple(tables)

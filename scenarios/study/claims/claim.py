@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from scenarios.output.numbers import plain_number
 from scenarios.pipeline.registry import FLOORLESS_FRAME_FLY, FRAME_FLY
+from scenarios.study.claims.small_table import SmallTable
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, distinct, interval_of, select
 
@@ -25,12 +27,14 @@ class Claim:
         where: section or figure of the paper that makes the claim.
         holds: verdict.
         evidence: reason for the verdict, one sentence or two with numbers.
+        tables: the numbers behind the evidence; there may be none.
     """
 
     statement: str
     where: str
     holds: Verdict
     evidence: str
+    tables: tuple[SmallTable, ...] = ()
 
 
 def verdict_from_share(share: float) -> Verdict:
@@ -71,11 +75,19 @@ def format_interval(interval: Interval | None, unit: str = "", *, digits: int = 
     """Format a mean and its 95 % interval; the unit "%" turns a share into a percentage."""
     if interval is None:
         return "no value"
-    scale = 100.0 if unit == "%" else 1.0
     mean, low, high = (
-        f"{scale * v:.{digits}g}" for v in (interval.mean, interval.low, interval.high)
+        _scaled(v, unit, digits) for v in (interval.mean, interval.low, interval.high)
     )
     space = " " if unit else ""
     if interval.number == 1:
         return f"{mean}{space}{unit}"
     return f"{mean}{space}{unit} ({low} to {high})"
+
+
+def mean_texts(found: Mapping[str, Interval | None], unit: str = "") -> dict[str, str]:
+    """Return the means as text, without their unit; the unit "%" turns shares into percentages."""
+    return {name: "–" if i is None else _scaled(i.mean, unit, 3) for name, i in found.items()}
+
+
+def _scaled(value: float, unit: str, digits: int) -> str:
+    return plain_number(100.0 * value if unit == "%" else value, digits)

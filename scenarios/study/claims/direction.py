@@ -13,12 +13,15 @@ from scenarios.study.claims.claim import (
     Verdict,
     format_interval,
     mean_by_sequence,
+    mean_texts,
     not_tested,
     published_frame_fly,
     verdict_from_share,
 )
+from scenarios.study.claims.small_table import tables_by_velocity
 from scenarios.study.rows import Row
-from scenarios.study.statistics import distinct, interval_of, select
+from scenarios.study.statistics import interval_of, select
+from scenarios.styles.method_style import method_style
 
 AFTER = "accuracy_after_100ms"
 LOST, WORKS = 0.5, 0.5
@@ -74,9 +77,13 @@ def frame_fly_fails_at_night(rows: Sequence[Row]) -> Claim:
             " With our floor on its signal-to-noise ratio, it is correct in "
             f"{format_interval(floor, '%')} at night."
         )
+    found = mean_by_sequence(select(rows, method=method), AFTER)
+    tables = tables_by_velocity(
+        "correct steps [%]", {method_style(method).label: mean_texts(found, "%")}
+    )
     lost, works = night.mean < LOST, day.mean >= WORKS
     part: Verdict = "holds in part" if lost or night.high < day.low else "does not hold"
-    return Claim(statement, where, "holds" if lost and works else part, evidence)
+    return Claim(statement, where, "holds" if lost and works else part, evidence, tables)
 
 
 def fly_responds_at_night(rows: Sequence[Row]) -> Claim:
@@ -97,12 +104,14 @@ def _is_reliable(rows: Sequence[Row], lighting: str, statement: str, where: str)
     if not known:
         return not_tested(statement, where, f"no settled step of the fly in the {lighting} scenes")
     reliable = [name for name, value in known.items() if value.mean >= NEARLY_ALL]
-    steps = ", ".join(f"{_speed(n)}: {format_interval(v, '%')}" for n, v in known.items())
     evidence = (
-        f"Correct steps after 100 ms in view, by angular velocity in rad/s: {steps}. At "
-        f"{len(reliable)} of {len(known)} velocities they are {100 * NEARLY_ALL:.0f} % or more."
+        f"At {len(reliable)} of {len(known)} velocities, {100 * NEARLY_ALL:.0f} % or more of the "
+        "steps after 100 ms in view are correct."
     )
-    return Claim(statement, where, verdict_from_share(len(reliable) / len(known)), evidence)
+    tables = tables_by_velocity(
+        "correct steps [%]", {method_style(FLY).label: mean_texts(known, "%")}
+    )
+    return Claim(statement, where, verdict_from_share(len(reliable) / len(known)), evidence, tables)
 
 
 def region_encloses_vehicle(rows: Sequence[Row]) -> Claim:
@@ -114,17 +123,10 @@ def region_encloses_vehicle(rows: Sequence[Row]) -> Claim:
         return not_tested(statement, where, "no settled step of the fly")
     enclosed = [name for name, value in known.items() if value.mean >= OVERLAP]
     offset = interval_of(own, "centroid_error_px")
-    overlaps = ", ".join(
-        f"{lighting}: {format_interval(interval_of(select(own, lighting=lighting), 'roi_iou'))}"
-        for lighting in distinct(own, "lighting")
-    )
     evidence = (
-        f"Overlap of region and true box (intersection over union), {overlaps}. It is {OVERLAP:g} "
-        f"or more in {len(enclosed)} of {len(known)} sequences. The view centre is off by "
+        f"The overlap of region and true box is {100 * OVERLAP:.0f} % or more in {len(enclosed)} "
+        f"of {len(known)} sequences (intersection over union). The view centre is off by "
         f"{format_interval(offset, 'px')}."
     )
-    return Claim(statement, where, verdict_from_share(len(enclosed) / len(known)), evidence)
-
-
-def _speed(sequence: str) -> str:
-    return sequence.partition("_")[2]
+    tables = tables_by_velocity("overlap [%]", {method_style(FLY).label: mean_texts(known, "%")})
+    return Claim(statement, where, verdict_from_share(len(enclosed) / len(known)), evidence, tables)

@@ -8,6 +8,7 @@ from statistics import fmean
 
 from scipy.stats import spearmanr
 
+from scenarios.output.numbers import plain_number
 from scenarios.pipeline.registry import CONTRAST, FLY
 from scenarios.study.claims.claim import (
     DAY,
@@ -16,13 +17,16 @@ from scenarios.study.claims.claim import (
     Verdict,
     format_interval,
     mean_by_sequence,
+    mean_texts,
     not_tested,
     published_frame_fly,
     slowest_first,
     verdict_from_share,
 )
+from scenarios.study.claims.small_table import SmallTable, tables_by_velocity
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, distinct, interval_of, mean_interval, select
+from scenarios.styles.method_style import method_style
 
 VARIATION, STRENGTH = "response_variation", "response_mean"
 FEW_FPS = 10.0
@@ -30,6 +34,7 @@ FEW_FPS = 10.0
 MUCH_FASTER = 10.0
 """Ratio of times that counts as much faster: an order of magnitude (assumed)."""
 _FEWEST_SPEEDS = 3
+_WHEN = {DAY: "by day", NIGHT: "at night"}
 
 
 def fly_is_steadier(rows: Sequence[Row]) -> Claim:
@@ -38,8 +43,10 @@ def fly_is_steadier(rows: Sequence[Row]) -> Claim:
         "the event-driven fly's response is steadier than the frame-based model's",
         _pairs(rows, VARIATION, where_missing=float("inf")),
         lambda fly, frames: fly < frames,
-        "Standard deviation of the settled response over its mean, of the event-driven and of the "
-        "frame-based fly: {pairs}. It is smaller for the event-driven fly in {good} sequences.",
+        published_frame_fly(rows),
+        "deviation / mean",
+        "The standard deviation of the settled response over its mean is smaller for the "
+        "event-driven fly in {good} sequences.",
     )
 
 
@@ -49,9 +56,10 @@ def frames_are_weaker(rows: Sequence[Row]) -> Claim:
         "the frame-based model's response is weaker than the event-driven fly's",
         _pairs(rows, STRENGTH, where_missing=0.0),
         lambda fly, frames: frames < fly,
-        "Mean settled response along the true direction, of the event-driven and of the "
-        "frame-based fly, each normalised by a sigmoid with its own scale: {pairs}. It is smaller "
-        "for the frame-based fly in {good} sequences.",
+        published_frame_fly(rows),
+        "mean response",
+        "The mean settled response along the true direction is smaller for the frame-based fly in "
+        "{good} sequences. Each method normalises it by a sigmoid with its own scale.",
     )
 
 
@@ -59,6 +67,8 @@ def _frames_against_fly(
     statement: str,
     pairs: Mapping[str, tuple[float, float]],
     holds: Callable[[float, float], bool],
+    frame_fly: str,
+    what: str,
     evidence: str,
 ) -> Claim:
     """Test a claim that compares the event-driven with the frame-based fly in each sequence.
@@ -67,15 +77,21 @@ def _frames_against_fly(
         statement: the claim.
         pairs: values of the event-driven and of the frame-based fly, by sequence.
         holds: returns True if a pair agrees with the claim.
-        evidence: format string with {pairs} and {good}.
+        frame_fly: name of the frame-based method.
+        what: name of the values.
+        evidence: format string with {good}.
     """
     where = "Section III, Fig. EX1 and EX2"
     if not pairs:
         return not_tested(statement, where, "no run of both flies")
     good = sum(holds(fly, frames) for fly, frames in pairs.values())
-    values = ", ".join(f"{n} {_number(a)} and {_number(b)}" for n, (a, b) in pairs.items())
-    text = evidence.format(pairs=values, good=f"{good} of {len(pairs)}")
-    return Claim(statement, where, verdict_from_share(good / len(pairs)), text)
+    text = evidence.format(good=f"{good} of {len(pairs)}")
+    values = {
+        method_style(method).label: {name: _number(pair[k]) for name, pair in pairs.items()}
+        for k, method in enumerate((FLY, frame_fly))
+    }
+    tables = tables_by_velocity(what, values)
+    return Claim(statement, where, verdict_from_share(good / len(pairs)), text, tables)
 
 
 def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
@@ -84,7 +100,7 @@ def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
     where, day = "Section III, Fig. EX1", select(rows, lighting=DAY)
     frames = select(day, method=published_frame_fly(rows))
     flies = select(day, method=FLY)
-    names = slowest_first(frames)
+    names, method = slowest_first(frames), published_frame_fly(rows)
     if len(names) < _FEWEST_SPEEDS or not flies:
         return not_tested(statement, where, "too few velocities of both flies by day")
     strength = {n: v.mean for n, v in mean_by_sequence(frames, STRENGTH).items() if v is not None}
@@ -92,27 +108,29 @@ def frames_are_weak_when_slow(rows: Sequence[Row]) -> Claim:
     fly = interval_of(select(flies, sequence=names[0]), "accuracy_after_100ms")
     weak, clear = slow < min(others), fly is not None and fly.mean >= 0.5
     evidence = (
-        f"At {names[0].partition('_')[2]} rad/s the frame-based response is {slow:.2g}, at higher "
-        f"velocities {', '.join(f'{v:.2g}' for v in others)}. The event-driven fly is correct in "
-        f"{format_interval(fly, '%')} of the steps at the lowest velocity."
+        f"The frame-based response at {names[0].partition('_')[2]} rad/s is "
+        f"{'weaker than' if weak else 'not weaker than'} at every higher velocity. There the "
+        f"event-driven fly is correct in {format_interval(fly, '%')} of the steps."
     )
-    return Claim(
-        statement, where, verdict_from_share((weak + clear) / 2 if clear else 0.0), evidence
-    )
+    values = {method_style(method).label: {n: _number(strength.get(n, 0.0)) for n in names}}
+    verdict = verdict_from_share((weak + clear) / 2 if clear else 0.0)
+    tables = tables_by_velocity("mean response", values)
+    return Claim(statement, where, verdict, evidence, tables)
 
 
 def frame_response_less_smooth(rows: Sequence[Row]) -> Claim:
     """Test Section III: less smooth as velocity rises."""
     statement = "by day the frame-based response becomes less smooth as velocity rises"
-    own = select(rows, method=published_frame_fly(rows), lighting=DAY)
-    return _rises(own, VARIATION, statement, "Section III, Fig. EX1 B", "relative deviation")
+    method, where = published_frame_fly(rows), "Section III, Fig. EX1 B"
+    own = select(rows, method=method, lighting=DAY)
+    return _rises(own, method, VARIATION, statement, where, "deviation / mean")
 
 
 def grms_rises(rows: Sequence[Row]) -> Claim:
     """Test Fig. EX3 B."""
     statement = "the event-driven fly's GRMS generally rises with velocity"
     own = select(rows, method=FLY)
-    return _rises(own, "grms", statement, "Section III, Fig. EX3 B", "GRMS in 1/s")
+    return _rises(own, FLY, "grms", statement, "Section III, Fig. EX3 B", "GRMS [1/s]")
 
 
 def contrast_velocity_rises(rows: Sequence[Row]) -> Claim:
@@ -123,8 +141,8 @@ def contrast_velocity_rises(rows: Sequence[Row]) -> Claim:
         for row in select(rows, method=CONTRAST)
         if row["velocity_bias_px_s"] is not None
     ]
-    where, what = "Section III, Fig. EX3 A", "mean velocity in px/s"
-    claim = _rises(own, "estimated_px_s", statement, where, what)
+    where, what = "Section III, Fig. EX3 A", "mean velocity [px/s]"
+    claim = _rises(own, CONTRAST, "estimated_px_s", statement, where, what)
     if claim.holds == "not tested":
         return claim
     error = interval_of(own, "velocity_error_px_s")
@@ -132,26 +150,29 @@ def contrast_velocity_rises(rows: Sequence[Row]) -> Claim:
     return replace(claim, evidence=more)
 
 
-def _rises(rows: Sequence[Row], column: str, statement: str, where: str, what: str) -> Claim:
+def _rises(
+    rows: Sequence[Row], method: str, column: str, statement: str, where: str, what: str
+) -> Claim:
     """Test a claim that a column rises with velocity.
 
     It holds if the means rise at every step in every lighting, and in part if the rank correlation
     is positive in any lighting.
     """
     ranks: dict[str, float] = {}
-    parts = []
+    shown: dict[str, str] = {}
     for lighting in distinct(rows, "lighting"):
         own = select(rows, lighting=lighting)
         found = mean_by_sequence(own, column)
         means = [v.mean for n in slowest_first(own) if (v := found[n]) is not None]
         if len(means) >= _FEWEST_SPEEDS and len(set(means)) > 1:
             ranks[lighting] = float(spearmanr(range(len(means)), means).statistic)
-            series = ", ".join(f"{mean:.3g}" for mean in means)
-            parts.append(f"{lighting} {series} (rank correlation {ranks[lighting]:.2f})")
+            shown |= mean_texts({n: found[n] for n in slowest_first(own)})
     if not ranks:
         return not_tested(statement, where, "too few velocities")
-    evidence = f"From the lowest velocity to the highest, {what}: {'; '.join(parts)}."
-    return Claim(statement, where, _verdict_from_ranks(list(ranks.values())), evidence)
+    correlations = ", ".join(f"{rank:.2g} {_WHEN[name]}" for name, rank in ranks.items())
+    evidence = f"The rank correlation with velocity is {correlations}."
+    tables = tables_by_velocity(what, {method_style(method).label: shown})
+    return Claim(statement, where, _verdict_from_ranks(list(ranks.values())), evidence, tables)
 
 
 def _verdict_from_ranks(ranks: Sequence[float]) -> Verdict:
@@ -206,10 +227,29 @@ def fly_is_faster(rows: Sequence[Row]) -> Claim:
     )
     evidence = (
         f"On one core an estimate takes the fly {fly_ms}, and contrast maximisation {contrast_ms}, "
-        f"{format_interval(by_estimate)} times as long. For the same events, contrast maximisation "
-        f"takes {format_interval(by_event)} times as long, since it makes fewer estimates."
+        f"{format_interval(by_estimate, digits=2)} times as long. For the same events, contrast "
+        f"maximisation takes {format_interval(by_event, digits=2)} times as long, since it makes "
+        "fewer estimates."
     )
-    return Claim(statement, where, "holds" if least >= MUCH_FASTER else rest, evidence)
+    return Claim(
+        statement, where, "holds" if least >= MUCH_FASTER else rest, evidence, (_times(rows),)
+    )
+
+
+def _times(rows: Sequence[Row]) -> SmallTable:
+    """Return the CPU time of both methods, by estimate and by event."""
+    columns = ("ms_per_estimate", "ns_per_event")
+    lines = tuple(
+        (
+            method_style(method).label,
+            tuple(
+                format_interval(interval_of(select(rows, method=method), column)).split(" (")[0]
+                for column in columns
+            ),
+        )
+        for method in (FLY, CONTRAST)
+    )
+    return SmallTable("CPU time", "method", ("per estimate [ms]", "per event [ns]"), lines)
 
 
 def fly_is_real_time(rows: Sequence[Row]) -> Claim:
@@ -222,7 +262,8 @@ def fly_is_real_time(rows: Sequence[Row]) -> Claim:
     most = max(float(row["load"]) for row in own)
     evidence = (
         f"For each second of the stream it needs {format_interval(interval_of(own, 'load'), 's')} "
-        f"of one core of this machine, at most {most:.3g} s, with 100 estimates per second."
+        f"of one core of this machine, at most {plain_number(most)} s, with 100 "
+        "estimates per second."
     )
     return Claim(statement, where, verdict_from_share(len(good) / len(own)), evidence)
 
@@ -266,4 +307,4 @@ def _ratio(rows: Sequence[Row], column: str, over: str, under: str) -> Interval 
 
 
 def _number(value: float) -> str:
-    return "none" if value == float("inf") else f"{value:.2g}"
+    return "none" if value == float("inf") else plain_number(value, 2)

@@ -9,7 +9,6 @@ from statistics import fmean
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -35,9 +34,8 @@ Value = Callable[[SequenceResult, MethodRun], float | None]
 
 WIDTH_IN, _TOP_IN, _METHOD_IN = 7.8, 3.0, 0.42
 """Width of the figure, and heights of the upper panels and of a method in the lower ones [inch]."""
-_LUMA, _DARK_BELOW = (0.2126, 0.7152, 0.0722), 0.5
-"""Weights for the brightness of a colour (ITU-R BT.709), and the brightness below which text on it
-is white (assumed)."""
+_STRONG = 0.6
+"""Opacity of a cell's colour above which its text has the colour of the paper (by eye)."""
 
 
 def draw_comparison(path: Path, sequences: Sequences) -> None:
@@ -135,13 +133,10 @@ def _draw_cell(axes: Axes, column: int, row: int, sequence: SequenceResult, meth
     if not runs:
         return
     correct = sum(run.scores["direction"] == sequence.direction for run in runs)
-    shade = LinearSegmentedColormap.from_list("share", ["white", method_style(method).colour])(
-        correct / len(runs)
-    )
-    axes.add_patch(
-        Rectangle((column - 0.46, row - 0.4), 0.92, 0.8, facecolor=shade, edgecolor="#c9d0d8")
-    )
-    ink = "white" if np.dot(shade[:3], _LUMA) < _DARK_BELOW else "black"
+    share, corner = correct / len(runs), (column - 0.46, row - 0.4)
+    shade = (method_style(method).colour, share)  # transparent, for light and dark pages
+    axes.add_patch(Rectangle(corner, 0.92, 0.8, facecolor=shade, edgecolor="#c9d0d8"))
+    ink = "white" if share > _STRONG else "black"
     text = f"{correct}/{len(runs)}"
     axes.text(column, row, text, ha="center", va="center", fontsize=8, color=ink)
 

@@ -12,12 +12,15 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from detector.metrics import Box
+from scenarios.pipeline.registry import FLY
 from scenarios.study.results import SequenceResult, Snapshot
+from scenarios.styles.method_style import method_style
 
 TRUTH_BOX: Any = {"color": "#4DD0E1", "linestyle": (0, (3, 1.5)), "linewidth": 1.3}
-REGION: Any = {"color": "#FFFFFF", "linestyle": "-", "linewidth": 1.3}
-OUTLINE = [withStroke(linewidth=2.6, foreground="#1d2733")]
-"""A dark outline makes a bright line visible on any image."""
+REGION: Any = {"color": method_style(FLY).colour, "linestyle": "-", "linewidth": 1.5}
+OUTLINE = [withStroke(linewidth=2.8, foreground="#06281F")]
+"""A dark outline makes a bright line visible on any image. A page does not take it for a grey,
+which would change with its colour scheme."""
 _WHITE_PERCENTILE = 99.5
 """Percentile of a frame that is shown as white; a few lamps may be brighter (assumed)."""
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from scenarios.output.figures import figure_file
 from scenarios.study.figures.sequence_axis import (
@@ -143,7 +144,9 @@ def _scale(axes: Axes, panel: _Panel) -> None:
         axes.set(ylim=(-6, 106), yticks=(0, 50, 100))
     elif panel.is_log:
         axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
     else:
         axes.set_ylim(bottom=-0.07 * axes.get_ylim()[1])
     if panel.column == _LOAD:

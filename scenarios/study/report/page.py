@@ -23,7 +23,8 @@ from scenarios.study.conditions import (
     paper_rows,
     second_sensor_rows,
 )
-from scenarios.study.figures.all_figures import FIGURES, draw_figures
+from scenarios.study.figures.all_figures import FIGURES, OVERVIEW, draw_figures
+from scenarios.study.report.headline import headlines
 from scenarios.study.report.parameters import (
     Parameter,
     class_description,
@@ -109,11 +110,13 @@ def write_report(
         moving=len(distinct(moving, "sequence")),
         lightings=Counter(one.lighting for one in sequences if one.background == STILL),
         seeds=len(distinct(rows, "seed")),
-        methods=[method_style(method).label for method in methods],
         slow=list(_slow_methods(methods, len(distinct(rows, "seed")))),
         failed=failed,
+        headlines=headlines(paper, claims),
+        overview=svgs.pop(OVERVIEW.name, None),
+        overview_caption=OVERVIEW.caption,
         claims=claims,
-        verdicts=verdict_groups(claims),
+        verdicts=verdict_counts(claims),
         symbols=_SYMBOLS,
         figures=[(figure, svgs[figure.name]) for figure in FIGURES if figure.name in svgs],
         tables=(table_by_lighting(paper), table_by_sequence(paper)),
@@ -157,25 +160,25 @@ class SecondSensor:
         """Claims with another verdict, each with that of high thresholds."""
         return [(one, other) for one, other in self._pairs() if one.holds != other.holds]
 
+    @property
+    def verdicts(self) -> list[tuple[Claim, Claim]]:
+        """Claims that both sensors test, those with another verdict first."""
+        return sorted(self._pairs(), key=lambda pair: pair[0].holds == pair[1].holds)
+
     def _pairs(self) -> Iterator[tuple[Claim, Claim]]:
         for one, other in zip(self.claims, self.others, strict=False):
             if "not tested" not in (one.holds, other.holds):
                 yield one, other
 
 
-def verdict_groups(claims: Sequence[Claim]) -> list[tuple[str, str]]:
-    """Group the claims by verdict.
-
-    Returns:
-        For each verdict that occurs, such as "2 hold", the statements of its claims.
-    """
-    groups = []
-    for verdict, (singular, plural) in _VERBS.items():
-        statements = [claim.statement.rstrip(". ") for claim in claims if claim.holds == verdict]
-        if statements:
-            verb = singular if len(statements) == 1 else plural
-            groups.append((f"{len(statements)} {verb}", "; ".join(statements)))
-    return groups
+def verdict_counts(claims: Sequence[Claim]) -> list[str]:
+    """Return the number of claims with each verdict that occurs, such as "✓ 2 hold"."""
+    counts = Counter(claim.holds for claim in claims)
+    return [
+        f"{_SYMBOLS[verdict]} {counts[verdict]} {singular if counts[verdict] == 1 else plural}"
+        for verdict, (singular, plural) in _VERBS.items()
+        if counts[verdict]
+    ]
 
 
 def _read_svgs(files: Sequence[Path]) -> dict[str, Markup]:

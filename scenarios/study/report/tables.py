@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from scenarios.output.numbers import plain_number
 from scenarios.study.rows import Row
 from scenarios.study.statistics import distinct, interval_of, select
 from scenarios.styles.method_style import in_display_order, method_style
@@ -148,18 +149,10 @@ def _cell(rows: Sequence[Row], column: _Column) -> Cell:
     found = interval_of(rows, column.name)
     if found is None:
         return Cell(NO_VALUE)
-    mean, low, high = (format_number(column.scale * x) for x in (found.mean, found.low, found.high))
+    mean, low, high = (plain_number(column.scale * x) for x in (found.mean, found.low, found.high))
     known = sum(row[column.name] is not None for row in rows)
     return Cell(
         mean,
         f"{low} to {high}" if found.number > 1 else "",
         f"{known} of {len(rows)}" if known < len(rows) else "",
     )
-
-
-def format_number(value: float) -> str:
-    """Format a number to three digits, without an exponent."""
-    if value == 0 or abs(value) < 1e-9:
-        return "0"
-    text = f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
-    return text.replace(",", "\u202f").replace("-", "−")

@@ -40,6 +40,15 @@ def test_the_size_and_the_metadata_of_a_figure_are_removed() -> None:
     assert "who" not in "".join(root.itertext())
 
 
+def test_greys_change_with_the_colour_scheme_and_colours_do_not() -> None:
+    style = "fill: #ffffff; stroke: #000000; stroke: #d5d8dc; fill: #00A884"
+    text = inline_svg(SVG.replace("fill: url(#h)", style), prefix="one", label="")
+    assert "fill: color-mix(in srgb, var(--ink) 0%, var(--paper));" in text
+    assert "stroke: color-mix(in srgb, var(--ink) 100%, var(--paper));" in text
+    assert "var(--ink) 15%" in text
+    assert "fill: #00A884" in text
+
+
 def test_a_page_escapes_text_but_not_markup(tmp_path: Path) -> None:
     source = '{% extends "page.html.j2" %}{% block body %}{{ text }} {{ note|code }}{% endblock %}'
     (tmp_path / "own.html.j2").write_text(source)

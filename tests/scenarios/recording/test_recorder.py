@@ -20,6 +20,7 @@ from scenarios.recording import Recorder
 from scenarios.recording.blueprint import blueprint, stream_blueprint
 from scenarios.recording.entities import TRUE_DIRECTION, paths_of
 from scenarios.recording.event_batches import class_id
+from scenarios.styles.method_style import method_style
 from sim import Crossing, CrossingConfig, GroundTruth, project
 from sim.truth.probe import TruthProbe
 from tests.scenarios.rrd_contents import RrdContents
@@ -155,9 +156,10 @@ def test_lanes_are_sorted_with_the_truth_first() -> None:
 
 def test_curves_of_several_methods_have_their_names(contents: RrdContents) -> None:
     names = [contents.static(f"/{m.hs}", "SeriesLines:names") for m in (FLY, PLANE_FIT, OWN)]
-    assert names == [[method] for method in METHODS]
-    colours = {str(contents.static(f"/{m.hs}", "SeriesLines:colors")) for m in (FLY, PLANE_FIT)}
-    assert len(colours) == 2
+    assert names == [[method_style(method).label] for method in METHODS]
+    for paths, method in zip((FLY, PLANE_FIT, OWN), METHODS, strict=True):
+        (colour,) = contents.static(f"/{paths.hs}", "SeriesLines:colors")
+        assert f"#{colour:08X}" == f"{method_style(method).colour}FF"
 
 
 def test_the_true_direction_and_velocity_are_recorded(

@@ -16,6 +16,7 @@ from scenarios.study.claims import response as response
 from scenarios.study.claims.all_claims import CLAIMS, evaluate_claims
 from scenarios.study.claims.background import attention_gain, background_is_suppressed
 from scenarios.study.claims.claim import DAY, NIGHT
+from scenarios.study.claims.small_table import SmallTable
 from scenarios.study.conditions import HIGH_THRESHOLDS, moving_background_rows, paper_rows
 from scenarios.study.results import DEFAULT_SENSOR, STILL, sequence_name
 from scenarios.study.rows import Row
@@ -226,7 +227,16 @@ def test_the_gain_of_attention_is_paired_by_sequence_and_seed() -> None:
     assert (gain.mean, gain.low, gain.number) == pytest.approx((0.3, 0.3, 2))
     claim = background_is_suppressed(make_table())
     assert "a difference of 30 percentage points (30 to 30)" in claim.evidence
-    assert "in 4 of 4 sequences (day 1.00 wind," in claim.evidence
+    assert "in 4 of 4 sequences, and fewer in 0" in claim.evidence
+    assert claim.tables[0] == SmallTable(
+        "correct steps [%], day",
+        "background",
+        ("wind", "shake"),
+        (
+            ("event-driven fly", ("89.5", "89.5")),
+            ("event-driven fly, no attention", ("59.5", "59.5")),
+        ),
+    )
     assert "nothing to gain" not in claim.evidence
     sure = make_table()
     for row in sure:
@@ -261,6 +271,22 @@ def test_the_evidence_gives_the_numbers() -> None:
         paper_rows(make_table(where={"method": FLY, "seed": 1}, verdict="none"))
     )
     assert "correct in 6 of 12 runs" in claim.evidence
+
+
+def test_numbers_by_velocity_are_small_tables_without_exponents() -> None:
+    grms = response.grms_rises(paper_rows(make_table(where={"omega_rad_s": 2.0}, grms=80_512.0)))
+    assert "rank correlation with velocity is 1 by day, 1 at night" in grms.evidence
+    assert grms.tables[0] == SmallTable(
+        "GRMS [1/s], day",
+        "rad/s",
+        ("1.00", "1.50", "2.00"),
+        (("event-driven fly", ("100", "150", "80\u202f500")),),
+    )
+    steady = response.fly_is_steadier(paper_rows(make_table()))
+    assert [name for name, _ in steady.tables[1].rows] == [
+        "event-driven fly",
+        "frame-based fly, no floor",
+    ]
 
 
 def test_the_model_without_our_floor_is_used_if_it_ran() -> None:

@@ -9,17 +9,19 @@ from markupsafe import escape
 from scenarios.pipeline.registry import CONTRAST, FLY, FLY_EVERYWHERE, FRAME_FLY, SPIKING
 from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
+from scenarios.study.claims.small_table import SmallTable
 from scenarios.study.conditions import HIGH_THRESHOLDS
 from scenarios.study.figures.all_figures import FIGURES, draw_figures
-from scenarios.study.report.page import SecondSensor, verdict_groups, write_report
+from scenarios.study.report.page import SecondSensor, verdict_counts, write_report
 from scenarios.study.rows import study_rows
 from sim import CrossingConfig
 from tests.scenarios.study.synthetic_results import make_run, make_sequence
 
 OWN = "my.<own>:Detector"
+TABLE = SmallTable("mean response", "rad/s", ("1.21",), (("fly", ("80",)),))
 CLAIMS = [
     Claim("Events beat frames.", "Section III", "holds", "0.9 > 0.1 & more"),
-    Claim("GRMS rises", "Fig. EX3 B", "holds in part", "in <two> of three seeds"),
+    Claim("GRMS rises", "Fig. EX3 B", "holds in part", "in <two> of three seeds", (TABLE,)),
     Claim("It costs less", "Fig. EX3 D", "does not hold", "it costs 3 ms"),
     Claim("It runs on an M4", "Section III", "not tested", "another machine"),
 ]
@@ -109,13 +111,13 @@ def test_the_page_has_claims_then_figures_then_numbers(text: str) -> None:
     shown = [figure for figure in FIGURES if not figure.is_moving]
     assert text.count("<svg") == len(shown)
     order = [text.index(f'id="{name}"') for name in ("claims", "figures", "numbers", "parameters")]
-    assert text.index('class="lead"') < order[0]
+    assert text.index('class="headlines"') < text.index("<svg") < order[0]
     assert order == sorted(order)
     for claim in CLAIMS:
         for part in (claim.statement, claim.where, claim.evidence, claim.holds):
             assert html(part) in text
     for figure in shown:
-        assert html(figure.counterpart) in text
+        assert html(figure.caption) in text
 
 
 def test_data_is_escaped(text: str) -> None:
@@ -132,15 +134,24 @@ def test_the_page_has_numbers_and_parameters(text: str) -> None:
     assert "numba" in text
 
 
-def test_the_first_paragraph_groups_the_claims_by_verdict(text: str) -> None:
+def test_the_page_opens_with_three_numbers_and_counts_the_claims(text: str) -> None:
+    for number in ("<dt>1 of 3</dt>", "<dt>100 %</dt>", "<dt>1.18 ms</dt>"):
+        assert number in text
     assert "This study examines 4 claims" in text
-    assert "<b>1 holds in part:</b> GRMS rises." in text
+    assert "✓ 1 holds, ◐ 1 holds in part, ✗ 1 does not hold, – 1 was not tested." in text
+
+
+def test_numbers_of_a_claim_are_a_small_table(text: str) -> None:
+    table = text[text.index('<table class="evidence">') :].split("</table>")[0]
+    assert "<caption>mean response</caption>" in table
+    assert "<th>rad/s</th><th>1.21</th>" in table
+    assert '<tr><th>fly</th><td class="number">80</td></tr>' in table
 
 
 def test_figures_are_drawn_if_none_are_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.study.figures.all_figures.FIGURES", FIGURES[2:3])
+    monkeypatch.setattr("scenarios.study.figures.all_figures.FIGURES", FIGURES[3:4])
     sequences = [make_sequence(methods=(FLY,), seeds=(0,))]
     path = tmp_path / "report.html"
     write_report(path, sequences=sequences, rows=study_rows(sequences), claims=[], parameters={})
@@ -150,16 +161,9 @@ def test_figures_are_drawn_if_none_are_given(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_claims_are_grouped_by_verdict() -> None:
-    assert verdict_groups(CLAIMS) == [
-        ("1 holds", "Events beat frames"),
-        ("1 holds in part", "GRMS rises"),
-        ("1 does not hold", "It costs less"),
-        ("1 was not tested", "It runs on an M4"),
-    ]
-    twice = [replace(CLAIMS[0], statement="a"), replace(CLAIMS[0], statement="b")]
-    assert verdict_groups(twice) == [("2 hold", "a; b")]
-    assert verdict_groups([]) == []
+def test_claims_are_counted_by_verdict() -> None:
+    assert verdict_counts([CLAIMS[0], CLAIMS[2], CLAIMS[0]]) == ["✓ 2 hold", "✗ 1 does not hold"]
+    assert verdict_counts([]) == []
 
 
 def test_moving_backgrounds_and_the_second_sensor_have_a_table_each(tmp_path: Path) -> None:
@@ -186,8 +190,10 @@ def test_moving_backgrounds_and_the_second_sensor_have_a_table_each(tmp_path: Pa
     assert "event-driven fly, no attention" in text
     assert "seen by 2 sensors with thresholds of 0.4" in text
     assert "day, high thresholds: correct steps [%]" in text
-    changed = "the event-driven fly finds the correct direction in every sequence (holds → does"
-    assert changed in text
+    changed = re.findall('<tr class="changed">.*?</tr>', text)
+    finds = "the event-driven fly finds the correct direction in every sequence"
+    (row,) = (part for part in changed if finds in part)
+    assert row.index("✓ holds") < row.index("✗ does not hold")
     assert "Number of sensors of the slow ones: spiking delays: 1." in text
 
 
@@ -196,3 +202,4 @@ def test_claims_that_a_sensor_cannot_test_are_not_compared() -> None:
     untested = CLAIMS[3]
     pair = SecondSensor([one, one, untested], [one, other, other])
     assert (pair.tested, pair.changed) == (2, [(one, other)])
+    assert pair.verdicts == [(one, other), (one, one)]

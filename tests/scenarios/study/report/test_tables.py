@@ -3,7 +3,6 @@ from scenarios.study.report.tables import (
     NO_VALUE,
     Cell,
     Table,
-    format_number,
     table_by_lighting,
     table_by_sequence,
 )
@@ -13,13 +12,6 @@ from tests.scenarios.study.synthetic_results import make_run, make_sequence
 
 def cell_of(table: Table, row: int, heading: str) -> Cell:
     return table.rows[row].cells[table.headings.index(heading) - 1]
-
-
-def test_numbers_have_three_digits_and_no_exponent() -> None:
-    assert format_number(0.0) == "0"
-    assert format_number(-1.2345) == "−1.23"
-    assert format_number(793456.0) == "793\u202f456"
-    assert format_number(0.00041) == "0.00041"
 
 
 def test_a_row_for_each_lighting_and_method_with_mean_and_interval() -> None:
