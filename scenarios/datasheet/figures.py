@@ -106,7 +106,7 @@ def _draw_series(axes: Axes, series: Series, look: _Look) -> None:
         draw(series.x, series.y, drawstyle="steps-mid", color=look.colour, label=label)
     else:
         marker = look.marker if series.x.size <= _FEW_POINTS else ""
-        draw(series.x, series.y, look.line, marker=marker, color=look.colour, label=label)
+        draw(series.x, series.y, ls=look.line, marker=marker, color=look.colour, label=label)
 
 
 def _looks(series: Sequence[Series]) -> dict[int, _Look]:
