@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flybench import EventCamera, FlyDetector, open_model
-from flybench.colours import OFF, ON
+from scenarios.output.colours import OFF, ON
 
 MODEL = Path(__file__).with_name("arm.xml")
 AIM = np.array([0.0, 0.75, 0.45, 0.3])

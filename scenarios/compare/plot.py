@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from flybench.colours import SERIES
 from scenarios.compare.compared import Compared
 from scenarios.event_statistics.interval_histogram import F64, bin_edges_us
 from scenarios.event_statistics.noise import BRIGHTNESS_EDGES, brightness_label
 from scenarios.event_statistics.recording_statistics import RecordingStatistics
+from scenarios.output.colours import SERIES
 from scenarios.output.figures import figure_file, literal
 
 SIZE_IN = (11.0, 6.4)

@@ -10,11 +10,11 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from flybench.colours import OFF, ON
 from scenarios.dataset.labels.kinds import Label
 from scenarios.dataset.labels.png import decode_flow, read_png
 from scenarios.dataset.layout import EVENTS, FORWARD, IMAGES, TRACKS, file_name
 from scenarios.dataset.plan import DatasetPlan
+from scenarios.output.colours import OFF, ON
 from scenarios.output.figures import figure_file, literal
 
 Summaries = Sequence[Mapping[str, Any]]

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emulator.characterisation import Plot, Series, Style
-from flybench.colours import OFF, ON, SERIES, Rgb, hex_colour
+from scenarios.output.colours import OFF, ON, SERIES, Rgb, hex_of
 
 SIZE_IN = (4.4, 3.3)
 """Width and height of a plot: small enough for its text to be readable on a phone [inch]."""
@@ -114,7 +114,7 @@ def _looks(series: Sequence[Series]) -> dict[int, _Look]:
     indices = [n if one.colour_index is None else one.colour_index for n, one in enumerate(series)]
     number = max(indices, default=0) + 1
     colours = _colours(number) | {
-        index: hex_colour(rgb)
+        index: hex_of(rgb)
         for one, index in zip(series, indices, strict=True)
         if (rgb := _polarity_colour(one.label)) is not None
     }

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flybench.colours import SERIES
 from scenarios.denoise.measure import NO_FILTER, Row
 from scenarios.denoise.roc import Roc
+from scenarios.output.colours import SERIES
 from scenarios.output.figures import figure_file
 
 COLOURS = {

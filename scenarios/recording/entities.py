@@ -7,7 +7,7 @@ from typing import Final
 
 import rerun as rr
 
-from flybench.colours import Rgb
+from scenarios.output.colours import Rgb
 
 TIMELINE: Final = "time"
 """Name of the only time line: time since the start of the sequence."""

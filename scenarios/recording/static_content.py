@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from flybench.colours import OFF, ON, Rgb, rgb_of
 from flybench.events import Cause
 from flybench.printable import printable
+from scenarios.output.colours import OFF, ON, Rgb, rgb_of
 from scenarios.recording import entities as at
 from scenarios.recording.event_batches import class_id
 from scenarios.styles.method_style import method_style

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from flybench.colours import OFF, ON
 from flybench.events import Events
 from flybench.memory import check_memory
 from scenarios.detect.plot_data import SNAPSHOT_US
+from scenarios.output.colours import OFF, ON
 from scenarios.validate.stimulus import Stimulus
 
 IMAGES = 4

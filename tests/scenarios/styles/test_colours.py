@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flybench.colours import OFF, ON, hex_colour, rgb_of
+from scenarios.output.colours import OFF, ON, rgb_of
 from scenarios.pipeline.registry import DETECTORS
 
 COLOURS = {"ON": ON, "OFF": OFF} | {m: rgb_of(e.colour) for m, e in DETECTORS.items()}
@@ -47,8 +47,3 @@ def test_colours_differ_for_colour_blind_readers_too() -> None:
         for one, other in combinations(seen, 2):
             assert np.linalg.norm(seen[one] - seen[other]) > 12.0, (one, other)
     assert np.linalg.norm(lab(linear(ON)) - lab(linear(OFF))) > 100.0
-
-
-def test_colours_are_written_and_read() -> None:
-    assert hex_colour(ON) == "#0072B2"
-    assert rgb_of("#0072b2") == ON

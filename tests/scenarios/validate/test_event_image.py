@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from flybench.colours import ON
 from flybench.events import EVENT_DTYPE, empty_events
 from flybench.memory import MemoryBudgetError
+from scenarios.output.colours import ON
 from scenarios.validate.event_image import IMAGES, event_images
 from scenarios.validate.stimulus import Stimulus
 
