@@ -23,6 +23,8 @@ _LEGEND_LETTERS = 54
 _MARKERS, _LINES = "osD^v", ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 """Markers and lines of a few curves, in turn, since colour alone does not distinguish them for all.
 """
+_LOW, _HIGH = 0.28, 0.75
+"""Part of Matplotlib's viridis that is visible on white and on a dark page (by eye)."""
 _FEW_POINTS = 16
 """Most points of a curve that are marked one by one."""
 _RC: Any = {
@@ -122,7 +124,7 @@ def _looks(series: Sequence[Series]) -> dict[int, _Look]:
     return {
         id(one): _Look(
             colours[index],
-            _MARKERS[index] if distinct else "o",
+            _MARKERS[index % len(_MARKERS)],
             _LINES[index] if distinct else "-",
         )
         for one, index in zip(series, indices, strict=True)
@@ -134,7 +136,9 @@ def _colours(number: int) -> dict[int, str]:
     if number <= len(SERIES):
         return dict(enumerate(SERIES))
     scale = mpl.colormaps["viridis"]
-    return {k: mpl.colors.to_hex(scale(0.93 * k / (number - 1))) for k in range(number)}
+    return {
+        k: mpl.colors.to_hex(scale(_LOW + (_HIGH - _LOW) * k / (number - 1))) for k in range(number)
+    }
 
 
 def _polarity_colour(label: str) -> Rgb | None:

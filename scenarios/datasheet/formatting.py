@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 
 from emulator.characterisation import Datasheet, Quantity
+from scenarios.output.numbers import plain_number
 
 NOT_MEASURED = "–"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 OTHER_SENSOR_MARK = "*"
 """Mark of figures that were published for another sensor."""
 
@@ -40,7 +42,7 @@ def difference(quantity: Quantity) -> str:
         return ""
     share = quantity.difference
     if share is None:
-        excess = f"+{quantity.measured:.0e} {quantity.unit}".replace("-", "−").strip()
+        excess = f"+{three_digits(quantity.measured)} {quantity.unit}".strip()
         return excess if quantity.measured else "0.0"
     if quantity.unit == "dB":
         return f"{_signed(quantity.measured - quantity.published.value)} dB"
@@ -78,16 +80,11 @@ def with_unit(value: float | None, unit: str) -> str:
 
 
 def three_digits(value: float) -> str:
-    """Format a value to three digits, with an exponent only if it is very small or very large."""
-    if value == 0.0:
-        return "0"
-    if not 1e-3 <= abs(value) < 1e6:
-        text = f"{value:.2e}"
-    elif abs(value) >= 1000:
-        text = f"{value:,.0f}".replace(",", "\u202f")
-    else:
-        text = f"{value:.3g}"
-    return text.replace("-", "−")
+    """Format a value to three digits; one that is very small or very large gets a power of ten."""
+    if value == 0.0 or 1e-4 <= abs(value) < 1e6:
+        return plain_number(value)
+    mantissa, _, exponent = f"{value:.2e}".replace("-", "−").partition("e")
+    return f"{mantissa} × 10{str(int(exponent.replace('−', '-'))).translate(_SUPERSCRIPTS)}"
 
 
 def _signed(value: float) -> str:

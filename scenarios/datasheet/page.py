@@ -12,6 +12,8 @@ from markupsafe import Markup
 from emulator.characterisation import Datasheet, Quantity, Section
 from emulator.presets import WITHOUT_FRAMES
 from scenarios.datasheet import formatting
+from scenarios.datasheet.digest import digest
+from scenarios.datasheet.explanations import note
 from scenarios.datasheet.figures import draw_svg
 from scenarios.output.html import inline_svg, render
 
@@ -51,7 +53,7 @@ def render_page(
         changes: preset of the sensor and its changed settings, by name.
         versions: versions of the programs used, by name.
     """
-    preset = str(changes["preset"])
+    preset, summary = str(changes["preset"]), digest(sheet)
     changed = {name: value for name, value in changes.items() if name != "preset"}
     return render(
         "datasheet.html.j2",
@@ -65,6 +67,8 @@ def render_page(
         preset=preset,
         without_frames=preset in WITHOUT_FRAMES,
         sections=[_section(name, section) for name, section in sheet.sections.items()],
+        digest=summary,
+        key_figures=[(one, _row(one.quantity)) for one in summary.key_figures],
         settings=list(_flat(asdict(sheet.config))),
     )
 
@@ -74,14 +78,15 @@ def _section(name: str, section: Section) -> _Section:
         inline_svg(draw_svg(plot), prefix=f"{name}-{number}", label=plot.title)
         for number, plot in enumerate(section.plots)
     ]
-    rows = [_row(quantity) for quantity in section.quantities]
+    pairs = zip([None, *section.quantities], section.quantities, strict=False)
+    rows = [_row(quantity, before) for before, quantity in pairs]
     return _Section(name, section.title, section.method, rows, figures)
 
 
-def _row(quantity: Quantity) -> _Row:
+def _row(quantity: Quantity, before: Quantity | None = None) -> _Row:
     return _Row(
         quantity.name,
-        quantity.note,
+        note(quantity, before),
         formatting.measured(quantity),
         formatting.published(quantity),
         formatting.difference(quantity),

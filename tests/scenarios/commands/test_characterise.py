@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -23,11 +24,14 @@ from emulator.characterisation.section import series
 from scenarios.commands import characterise
 from scenarios.commands.characterise import NUMBERS, PAGE, Characterise
 from scenarios.datasheet import formatting
-from scenarios.datasheet.figures import draw_svg
+from scenarios.datasheet.digest import digest
+from scenarios.datasheet.explanations import ANOTHER_SOURCE, note
+from scenarios.datasheet.figures import draw, draw_svg
 from scenarios.datasheet.json_export import datasheet_dict
 from scenarios.datasheet.page import render_page
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_folder import SUMMARY
+from scenarios.output.colours import OFF, ON, hex_of
 from scenarios.output.terminal import execute
 
 X = np.array([1.0, 10.0, 100.0])
@@ -197,6 +201,44 @@ def test_the_page_is_well_formed_and_self_contained() -> None:
     assert "Somebody 1999" in text
 
 
+def quantities(*figures: tuple[str, float, float | None]) -> list[Quantity]:
+    return [
+        Quantity(name, "", value, None if known is None else Published(known, "Somebody 1999"))
+        for name, value, known in figures
+    ]
+
+
+def test_the_summary_counts_what_agrees_and_names_what_does_not() -> None:
+    figures = quantities(
+        ("a", 1.05, 1.0), ("b", 1.9, 1.0), ("c", 9.0, 1.0), ("c", 9.0, 8.9), ("d", 0.1, 1.0)
+    )
+    elsewhere = Quantity("e", "", 9.0, Published(1.0, "Somebody 1999", another_sensor=True))
+    section = replace(SECTION, quantities=[*figures, elsewhere, *quantities(("f", 1.0, None))])
+    found = digest(Datasheet(SensorConfig(), 3, {"one": section}))
+    assert (found.compared, found.close, found.within_double) == (5, 2, 1)
+    assert (found.far, found.elsewhere) == (["d"], 1)
+    assert [key.quantity.name for key in found.key_figures] == ["a"]
+    text = " ".join(page_with().split())
+    assert "Of 1 comparisons with published figures" in text
+
+
+def test_rows_whose_names_do_not_tell_their_meaning_are_explained() -> None:
+    first, second = quantities(("variation of ON intervals", 1.0, 2.0)) * 2
+    assert note(first, None).startswith("standard deviation of the intervals over their mean")
+    assert note(second, first) == ANOTHER_SOURCE
+    told = replace(first, note="1 for a Poisson process")
+    assert note(told, None) == told.note
+
+
+def test_curves_have_the_colours_of_their_polarity_and_different_markers() -> None:
+    x = np.array([1.0, 2.0])
+    named = [series(name, x, x, Style.LINE, k) for k, name in enumerate(("ON", "OFF", "jitter"))]
+    lines = draw(replace(PLOT, series=named)).axes[0].get_lines()
+    assert [line.get_color() for line in lines[:2]] == [hex_of(ON), hex_of(OFF)]
+    assert len({line.get_marker() for line in lines}) == 3
+    assert len({line.get_linestyle() for line in lines}) == 3
+
+
 def test_figures_are_reproducible_svg() -> None:
     text = draw_svg(PLOT)
     root = ElementTree.fromstring(text)
@@ -219,8 +261,8 @@ def test_the_json_numbers_are_finite() -> None:
 
 def test_numbers_as_text() -> None:
     assert formatting.with_unit(0.1794, "ln units") == "0.179 ln units"
-    assert formatting.with_unit(2067.3, "Hz") == "2\u202f067 Hz"
-    assert formatting.with_unit(5.013e-5, "Hz") == "5.01e−05 Hz"
+    assert formatting.with_unit(2067.3, "Hz") == "2\u202f070 Hz"
+    assert formatting.with_unit(5.013e-5, "Hz") == "5.01 × 10⁻⁵ Hz"
     assert formatting.with_unit(-0.0162, "µs") == "−0.0162 µs"
     assert formatting.with_unit(0.0, "") == "0"
     assert formatting.with_unit(None, "Hz") == formatting.NOT_MEASURED
@@ -229,7 +271,9 @@ def test_numbers_as_text() -> None:
     assert formatting.difference(Quantity("a", "dB", 113.2, Published(120.0, ""))) == "−6.8 dB"
     assert formatting.difference(Quantity("a", "", 2.9999, Published(3.0, ""))) == "0.0 %"
     assert formatting.difference(Quantity("a", "", 2.0)) == ""
-    assert formatting.difference(Quantity("a", "Hz", 5.01e-5, Published(0.0, ""))) == "+5e−05 Hz"
+    assert (
+        formatting.difference(Quantity("a", "Hz", 5.01e-5, Published(0.0, ""))) == "+5.01 × 10⁻⁵ Hz"
+    )
     assert formatting.difference(Quantity("a", "Hz", 0.0, Published(0.0, ""))) == "0.0"
     assert formatting.short_source(Quantity("a", "", 2.0, Published(1.0, "Joubert 2021, X"))) == (
         "Joubert 2021"
