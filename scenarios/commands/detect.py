@@ -145,7 +145,7 @@ class Detect:
                 png = stack.enter_context(atomic_file(plot, overwrite=self.overwrite))
                 size = file.width, file.height
                 title = self._title(file) + (", up to an error in the file" if error else "")
-                write_plot(png, plot_data, size, title, verdict)
+                write_plot(png, plot_data, size, title, verdict, method=self.method)
         return verdict, error
 
     def _recorder(

@@ -28,7 +28,8 @@ from scenarios.envelope.table import (
     mean_by_cell,
     worst_level,
 )
-from scenarios.output.figures import figure_file
+from scenarios.output.figures import figure_file, literal
+from scenarios.styles.method_style import method_style
 
 _VALUES = {
     CORRECT: "share of steps with the correct direction, %",
@@ -84,7 +85,7 @@ def draw_method(path: Path, rows: Sequence[Row], value: str, *, crossed: Sequenc
     columns = min(4, 1 + len(maps))
     lines = -(-(1 + len(maps)) // columns)
     with figure_file(path, (0.4 + 4.3 * columns, 1.0 + 2.9 * lines)) as figure:
-        figure.suptitle(f"{rows[0]['method']}: {_VALUES[value]}", x=0.01, ha="left")
+        figure.suptitle(f"{_name(rows[0]['method'])}: {_VALUES[value]}", x=0.01, ha="left")
         first, *others = panels = figure.subplots(lines, columns, squeeze=False).ravel()
         full = at_base_point(rows, (SPEED, NOISE, *crossed))
         draw_map(first, full, NOISE, value, title=f"by noise{_mean_of(crossed)}")
@@ -116,12 +117,12 @@ def draw_comparison(path: Path, rows: Sequence[Row], *, crossed: Sequence[str]) 
         for column, method in enumerate(methods):
             own = [row for row in rows if row["method"] == method]
             own = at_base_point(own, (SPEED, NOISE, *crossed))
-            title = f"{method}: correct, %{_mean_of(crossed)}"
+            title = f"{_name(method)}\ncorrect, %{_mean_of(crossed)}"
             draw_map(grid[0, column], own, NOISE, CORRECT, title=title)
             for axes, factor in zip(grid[1:, column], crossed, strict=True):
                 lowest = worst_level(own, SPEED, NOISE, factor, CORRECT)
                 _draw_cells(axes, own, NOISE, CORRECT, lowest)
-                axes.set_title(f"{method}: worst {_short(factor)}", pad=9)
+                axes.set_title(f"{_name(method)}\nworst {_short(factor)}", pad=9)
         _colour_bar(figure, grid.ravel(), CORRECT)
         _footnote(figure, rows)
 
@@ -136,7 +137,7 @@ def draw_levels(path: Path, rows: Sequence[Row], factor: str) -> None:
             for axes, level in zip(line, measured, strict=True):
                 own = [r for r in rows if r["method"] == method and r[factor] == level]
                 own = at_base_point(own, (SPEED, NOISE, factor))
-                title = f"{method}: correct, {_short(factor)} {level}"
+                title = f"{_name(method)}\ncorrect, {_short(factor)} {level}"
                 draw_map(axes, own, NOISE, CORRECT, title=title)
         _colour_bar(figure, grid.ravel(), CORRECT)
         _footnote(figure, rows)
@@ -157,12 +158,12 @@ def _draw_cells(axes: Axes, rows: Sequence[Row], factor: str, value: str, cells:
     axes.set_xlabel(_NAMES[SPEED], fontsize=8)
     axes.set_ylabel(_NAMES[factor], fontsize=8)
     axes.tick_params(length=0)
-    ideal = 1 if value == CORRECT else 0
     for (y, x), share in np.ndenumerate(cells):
         if not np.isnan(share):
             colour = "white" if share > _DARK else "#333333"
-            text = "" if round(share, 2) == ideal else f"{100 * share:.0f}"
-            axes.text(x, y, text, ha="center", va="center", fontsize=6, color=colour)
+            axes.text(
+                x, y, f"{100 * share:.0f}", ha="center", va="center", fontsize=6, color=colour
+            )
     if value == CORRECT:
         _draw_outline(axes, cells >= MIN_CORRECT)
     _draw_paper_range(axes, speeds)
@@ -189,6 +190,10 @@ def _draw_paper_range(axes: Axes, speeds: Sequence[float]) -> None:
             ends, [1.012] * 2, transform=axes.get_xaxis_transform(), color="#444444",
             linewidth=3, clip_on=False, solid_capstyle="butt",
         )  # fmt: skip
+
+
+def _name(method: str) -> str:
+    return literal(method_style(method).label)
 
 
 def _varies(rows: Sequence[Row], factor: str) -> bool:
@@ -221,8 +226,7 @@ def _footnote(figure: Figure, rows: Sequence[Row]) -> None:
     text = (
         "Share of the 10 ms steps at least 100 ms after the target came into view (a slow target "
         "is in view from the start). Each cell is the mean of "
-        f"{seeds} repetition{'s' if seeds > 1 else ''}. A blank cell has no errors: it is 100 % in "
-        "a map of correct steps, and 0 % in the others. A grey cell has no step. "
+        f"{seeds} repetition{'s' if seeds > 1 else ''}. A grey cell without a number has no step. "
         f"Orange line: at least {100 * MIN_CORRECT:.0f} % correct. Grey bar: the paper's speeds. "
         f"Other factors: {BASE.length_px}×{BASE.height_px} px, contrast {BASE.contrast:g}, "
         f"{BASE.surface}, {BASE.direction}, {BASE.noise_hz:g} Hz, background {BASE.background}, "

@@ -14,6 +14,7 @@ from scenarios.detect import plot
 from scenarios.detect.plot_data import PlotData
 from scenarios.detect.run_detector import RecordingSlice
 from scenarios.detect.verdict import RecordingVerdict
+from scenarios.styles.method_style import method_style
 
 
 def drawn(responses: list[float]) -> Any:
@@ -21,18 +22,25 @@ def drawn(responses: list[float]) -> Any:
     data, verdict = PlotData(), RecordingVerdict()
     for k, hs in enumerate(responses, start=1):
         estimate = MotionEstimate(
-            k * 10_000, hs, 0.001, Direction.LEFT, abs(hs), (0.0, 0.0), (0.0, 0.0), None
+            k * 10_000,
+            hs,
+            0.001,
+            Direction.LEFT,
+            abs(hs),
+            (0.0, 0.0),
+            (0.0, 0.0),
+            (90, 60, 200, 140),
         )
         part = RecordingSlice(empty_events(), (), (estimate,), None, 0)
         data.add(part)
         verdict.add(part)
     figure = Figure(layout="constrained")
-    plot._draw(figure, data, (346, 260), "a.raw, fly", verdict)
+    plot._draw(figure, data, (346, 260), "a.raw, fly", verdict, method_style("fly"))
     return figure
 
 
 def response_axes(figure: Any) -> Any:
-    return next(axes for axes in figure.axes if axes.get_ylabel() == "response")
+    return next(axes for axes in figure.axes if axes.get_ylabel() == "response [1]")
 
 
 @pytest.mark.parametrize(
@@ -55,7 +63,22 @@ def test_the_figure_shows_shares_and_spans() -> None:
     assert [(p.get_x(), p.get_width()) for p in spans] == [(0.0, pytest.approx(0.06))]
 
 
+def test_the_box_is_explained_and_the_axes_have_units() -> None:
+    (axes,) = (axes for axes in drawn([-0.1] * 6).axes if axes.images)
+    (box,) = axes.patches
+    assert (box.get_x(), box.get_y(), box.get_width(), box.get_height()) == (90, 60, 110, 80)
+    shown = {
+        text.get_text(): handle
+        for text, handle in zip(
+            axes.get_legend().get_texts(), axes.get_legend().legend_handles, strict=True
+        )
+    }
+    assert list(shown) == ["ON", "OFF", "region of interest\nof the method"]
+    assert shown["region of interest\nof the method"].get_color() == method_style("fly").colour
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [px]", "y [px]")
+
+
 def test_a_figure_beyond_the_memory_budget_is_refused(tmp_path: Path) -> None:
     size = (30_000, 30_000)
     with pytest.raises(MemoryBudgetError, match="A figure of 30000×30000 px needs"):
-        plot.write_plot(tmp_path / "a.png", PlotData(), size, "a", RecordingVerdict())
+        plot.write_plot(tmp_path / "a.png", PlotData(), size, "a", RecordingVerdict(), method="fly")
