@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from flybench.direction import Direction
 from flybench.events import Events
+from flybench.printable import html_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,18 @@ class MotionEstimate:
     response: tuple[float, float]
     view_centre_px: tuple[float, float]
     roi_px: tuple[int, int, int, int] | None
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "time": f"{self.t_us / 1e6:.3f} s",
+            "direction": self.direction.value,
+            "strength": f"{self.strength:.3f}",
+            "HS, rightward > 0": f"{self.hs:+.3f}",
+            "VS, downward > 0": f"{self.vs:+.3f}",
+            "view centre": "({:.1f}, {:.1f}) px".format(*self.view_centre_px),
+            "region of interest": "none" if self.roi_px is None else f"{self.roi_px} px",
+        }
+        return html_table("motion estimate", rows)
 
 
 class Detector(Protocol):

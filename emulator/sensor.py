@@ -44,8 +44,9 @@ from emulator.readout.latency import FixedLatency
 from emulator.readout.scan import Scan
 from emulator.readout.stats import ReadoutStats
 from emulator.thread_pool import ThreadPool
-from flybench.events import Events, empty_events
+from flybench.events import Cause, Events, empty_events
 from flybench.memory import OPTION, VARIABLE, MemoryBudgetError, count_memory, free_bytes
+from flybench.printable import html_table
 
 _DEFAULT = SensorConfig()
 _RANDOM_STREAM = 0
@@ -73,6 +74,16 @@ class SensorOutput:
     causes: npt.NDArray[np.uint8]
     aps_frames: tuple[ApsFrame, ...]
     readout: ReadoutStats = field(default_factory=ReadoutStats)
+
+    def _repr_html_(self) -> str:
+        on = int(np.count_nonzero(self.events["p"]))
+        rows = {
+            "events": f"{self.events.size:,}",
+            "ON, OFF": f"{on:,}, {self.events.size - on:,}",
+            "signal": f"{np.count_nonzero(self.causes == Cause.SIGNAL):,}",
+            "APS frames": f"{len(self.aps_frames)}",
+        }
+        return html_table("output of a sensor step", rows)
 
 
 class EventSensor:

@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     )
     from scenarios import EventCamera
     from scenarios.datasets import EventDataset
+    from scenarios.runs.run_folder import RunFolder, open_run
     from sim import (
         Crossing,
         CrossingConfig,
@@ -159,6 +160,10 @@ _MODULES = {
     ),
     "scenarios": ("EventCamera",),
     "scenarios.datasets": ("EventDataset",),
+    "scenarios.runs.run_folder": (
+        "RunFolder",
+        "open_run",
+    ),
 }
 
 __all__ = [
@@ -200,6 +205,7 @@ __all__ = [
     "ReadoutConfig",
     "ReadoutKind",
     "RelativeDirection",
+    "RunFolder",
     "Sample",
     "SensorConfig",
     "SensorOutput",
@@ -218,6 +224,7 @@ __all__ = [
     "omega_from_speed",
     "open_events",
     "open_model",
+    "open_run",
     "open_writer",
     "preset",
     "read_events",

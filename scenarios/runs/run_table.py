@@ -13,6 +13,7 @@ from typing import Any
 from rich.table import Table
 
 from scenarios.output.atomic_folder import GENERATOR, RECORDING
+from scenarios.output.numbers import plain_number
 from scenarios.output.streams import SafeConsole
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
@@ -28,7 +29,7 @@ def print_runs(runs: Summaries) -> None:
     table.add_column("")
     for folder, _ in runs:
         table.add_column(folder.name, justify="right")
-    rows = [_rows(summary) for _, summary in runs]
+    rows = [run_rows(summary) for _, summary in runs]
     for name in max(rows, key=len):  # a failed method has fewer
         table.add_row(name, *(row.get(name, "–") for row in rows))
         if name in _SECTION_ENDS:
@@ -52,7 +53,8 @@ def view_command(folder: Path) -> str:
     return f"{shlex.quote(name)} view {shlex.quote(str(folder))}{option}"
 
 
-def _rows(summary: dict[str, Any]) -> dict[str, str]:
+def run_rows(summary: dict[str, Any]) -> dict[str, str]:
+    """Return the results of a run as text, by name."""
     main, *others = summary.get("detectors", [summary["detector"]])
     parts = (
         _truth(summary["truth"]),
@@ -139,4 +141,4 @@ def format_pixels(value: float | None) -> str:
 
 def format_three_digits(value: float | None) -> str:
     """Format a number with three digits; None means that there were too few steps."""
-    return "no step" if value is None else f"{value:.3g}"
+    return "no step" if value is None else plain_number(value)

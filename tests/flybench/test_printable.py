@@ -1,7 +1,7 @@
 import pytest
 
 from flybench.errors import EventError
-from flybench.printable import printable
+from flybench.printable import html_table, printable
 
 
 @pytest.mark.parametrize(
@@ -16,6 +16,12 @@ from flybench.printable import printable
 )
 def test_control_characters_are_escaped(text: str, shown: str) -> None:
     assert printable(text) == shown
+
+
+def test_a_table_in_html_is_escaped() -> None:
+    table = html_table("a & b", {"<name>": "1\x1b"})
+    for part in ("<b>a &amp; b</b>", "&lt;name&gt;</th>", "1\\x1b</td>"):
+        assert part in table
 
 
 def test_messages_of_errors_are_printable() -> None:
