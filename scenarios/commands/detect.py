@@ -36,6 +36,7 @@ from scenarios.pipeline.registry import ROBUST
 from scenarios.pipeline.scaled_detectors import ScaledDetector, make_scaled
 from scenarios.recording import FileRecorder
 from scenarios.runs.run_table import view_command
+from scenarios.styles.method_style import method_style
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,8 @@ class Detect:
             if plot:
                 png = stack.enter_context(atomic_file(plot, overwrite=self.overwrite))
                 size = file.width, file.height
-                title = self._title(file) + (", up to an error in the file" if error else "")
+                title = f"{file.path.name}, {method_style(self.method).label}"
+                title += ", up to an error in the file" if error else ""
                 write_plot(png, plot_data, size, title, verdict, method=self.method)
         return verdict, error
 

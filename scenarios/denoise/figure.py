@@ -10,6 +10,7 @@ from scenarios.denoise.measure import NO_FILTER, Row
 from scenarios.denoise.roc import Roc
 from scenarios.output.colours import SERIES
 from scenarios.output.figures import figure_file
+from scenarios.styles.method_style import method_style
 
 COLOURS = {
     NO_FILTER: SERIES[4],
@@ -76,6 +77,11 @@ def draw_steps(path: Path, rows: Sequence[Row]) -> None:
                         color=COLOURS[name],
                         label=name,
                     )
-            axis.set(title=method, xlabel="illuminance [lux]", xscale="log", ylim=(-3, 103))
+            axis.set(
+                title=method_style(method).label,
+                xlabel="illuminance [lux]",
+                xscale="log",
+                ylim=(-3, 103),
+            )
         axes[0].set_ylabel("right steps after 100 ms [%]")
         axes[-1].legend(fontsize=7)

@@ -17,7 +17,7 @@ from scenarios.validate.stimulus import Stimulus
 IMAGES = 4
 """Images of a window, at equal steps from its start to its end (assumed)."""
 
-_BYTES_PER_PX = 14
+_BYTES_PER_PX = 19
 """Memory for a pixel: the image, and at most its PNG, which is copied twice as text."""
 
 
@@ -44,9 +44,13 @@ def _last_events(events: Events, end_us: int) -> Events:
 
 
 def _png(stimulus: Stimulus, events: Events) -> str:
-    image = np.full((stimulus.height, stimulus.width, 3), 255, np.uint8)
+    """Return a PNG that is transparent without events, for light and dark pages."""
+    image = np.full((stimulus.height, stimulus.width, 4), (255, 255, 255, 0), np.uint8)
     for polarity, colour in ((False, OFF), (True, ON)):
         of_polarity = events[events["p"] == polarity]
-        image[of_polarity["y"], of_polarity["x"]] = colour[::-1]  # OpenCV takes blue, green, red
+        image[of_polarity["y"], of_polarity["x"]] = (
+            *colour[::-1],
+            255,
+        )  # OpenCV takes blue, green, red
     _, png = cv2.imencode(".png", image)
     return f"data:image/png;base64,{b64encode(png.tobytes()).decode()}"

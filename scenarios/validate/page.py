@@ -8,6 +8,7 @@ from itertools import groupby
 from pathlib import Path
 
 from scenarios.output.html import render
+from scenarios.styles.method_style import method_style
 from scenarios.validate.manifest import Manifest, Recording
 from scenarios.validate.results import WindowResult, cells, head, totals
 from scenarios.validate.scoring import Score, Total
@@ -94,14 +95,17 @@ def _window(result: WindowResult) -> _Window:
         images=[(f"{end_us / 1e3:.0f} ms", png) for end_us, png in result.images],
         table=_table(result.totals, moving=result.moves),
         variants=[
-            (method, [_variant(by_turn[turn]) for turn in TURNS])
+            (method_style(method).label, [_variant(by_turn[turn]) for turn in TURNS])
             for method, by_turn in result.scores.items()
         ],
     )
 
 
 def _table(by_method: Mapping[str, Total], *, moving: bool) -> _Table:
-    rows = [_Row(m, cells(total, moving=moving), total.note) for m, total in by_method.items()]
+    rows = [
+        _Row(method_style(method).label, cells(total, moving=moving), total.note)
+        for method, total in by_method.items()
+    ]
     return _Table(head(moving=moving), rows)
 
 
