@@ -21,9 +21,11 @@ from pathlib import Path
 import dv_processing as dv
 import numpy as np
 import tonic
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from flybench import Events, EventSensor, SensorConfig, open_events, open_writer
+from scenarios.output.colours import OFF, ON, hex_of
 
 TAU_US = 10_000.0
 """Time constant of the time surfaces [µs]."""
@@ -125,11 +127,12 @@ def _last_times_us(store: dv.EventStore, size: tuple[int, int]) -> np.ndarray:
 def plot(path: Path, pictures: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Plot one column per library: ON minus OFF events above, the later time surface below."""
     figure = Figure(figsize=(12, 6.4), layout="constrained")
+    polarity = LinearSegmentedColormap.from_list("polarity", [hex_of(OFF), "white", hex_of(ON)])
     for column, (name, (counts, surface)) in enumerate(pictures.items()):
         above, below = (figure.add_subplot(2, 3, 3 * row + column + 1) for row in (0, 1))
         balance = counts[1] - counts[0]
         limit = max(1, np.abs(balance).max())
-        above.imshow(balance, cmap="RdBu_r", vmin=-limit, vmax=limit, interpolation="nearest")
+        above.imshow(balance, cmap=polarity, vmin=-limit, vmax=limit, interpolation="nearest")
         below.imshow(surface.max(axis=0), cmap="inferno", vmin=0, interpolation="nearest")
         above.set_title(f"{name}: ON minus OFF")
         below.set_title(f"{name}: time surface, {TAU_US / 1000:g} ms")

@@ -117,5 +117,5 @@ DIRECTION_RGB: Final[dict[str, Rgb]] = {
 ARROW: Final = {"right": "→", "left": "←", "up": "↑", "down": "↓"}
 COLORMAP: Final = "inferno"
 """Colour map of the fly's maps, in which 0 is black."""
-NOISE_DIMMING: Final = 0.55
+NOISE_DIMMING: Final = 0.65
 """Brightness of noise events, relative to the colour of their polarity (by eye)."""
