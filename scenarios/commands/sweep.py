@@ -14,8 +14,9 @@ from rich.table import Table
 from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.sensor import SensorOptions
+from scenarios.output.atomic_file import atomic_file, check_output_file
 from scenarios.output.progress import progress_bar
-from scenarios.output.streams import SafeConsole, say
+from scenarios.output.streams import SafeConsole, say, table_width
 from scenarios.output.terminal import run_cli
 from scenarios.pipeline.cluster import run_on_cluster
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
@@ -24,13 +25,12 @@ from scenarios.sweep.folder import CSV, PARQUET, check_folder
 from scenarios.sweep.measure import group_by_sequence
 from scenarios.sweep.parameters import PRESET, allowed, parameter_types
 from scenarios.sweep.plan import Plan, Point, read_plan
+from scenarios.sweep.plot import VALUE, write_plot
 from scenarios.sweep.run import Runner, SweepResult, count_finished, run_sweep
 
 SWEEPS = Path("logs/sweep")
 _SPEED_OVER_S = 3600.0
 """Time over which the progress display averages the speed [s]; a point may take minutes."""
-_CONSOLE_WIDTH = 1_000
-"""Wide enough that no line of a table is wrapped, even when printed to a file."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,14 @@ class Sweep:
     """Run on a Dask cluster: address of its scheduler, such as tcp://127.0.0.1:8786."""
     dry_run: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Check the file and print its points, but render and write nothing."""
+    plot: Annotated[
+        Path | None, tyro.conf.arg(metavar="PNG", help_behavior_hint="(default: no figure)")
+    ] = None
+    """Also write a figure (.png) of one value against the parameters that vary."""
+    plot_value: Annotated[str, tyro.conf.arg(metavar="COLUMN")] = VALUE
+    """Column of results.csv that --plot shows: by default, the share of correct steps."""
+    overwrite: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Replace an existing file of --plot."""
     sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     parameters: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """List every parameter that a file can set, with its default and allowed values."""
@@ -74,6 +82,7 @@ class Sweep:
                 "scenarios/sweep/examples. Give a file, or --parameters to list what it can set."
             )
         folder = self.out or SWEEPS / self.file.stem
+        self._check_plot(self.file)
         run, plan = self._runner(), read_plan(self.file, self.sensor)
         check_folder(folder)
         self.cache.open()
@@ -104,7 +113,20 @@ class Sweep:
                 progress=bar.track(f"{name}, {len(plan.points)} points"),
             )
         print_result(result, plan.points, folder)
+        if self.plot is not None and not result.failed:
+            with atomic_file(self.plot, overwrite=self.overwrite) as png:
+                write_plot(png, plan.points, result.table, self.plot_value)
+            say(f"wrote {self.plot}")
         return 1 if result.failed else 0
+
+    def _check_plot(self, source: Path) -> None:
+        if self.plot is None:
+            return
+        if self.plot.suffix.lower() != ".png":
+            raise ScenarioError(
+                f"--plot is {self.plot}. Allowed is a name that ends in .png. Add the ending."
+            )
+        check_output_file(self.plot, "--plot", overwrite=self.overwrite, sources=(source,))
 
 
 def print_parameters() -> None:
@@ -115,7 +137,7 @@ def print_parameters() -> None:
         default = defaults[name]
         shown = list(default) if isinstance(default, tuple) else default
         table.add_row(name, str(shown).lower() if kind is bool else str(shown), allowed(kind))
-    SafeConsole(width=_CONSOLE_WIDTH).print(table)
+    SafeConsole(width=table_width()).print(table)
 
 
 def print_points(points: Sequence[Point], finished: int) -> None:
@@ -127,7 +149,7 @@ def print_points(points: Sequence[Point], finished: int) -> None:
     for n, point in enumerate(points):
         values = dict(point.varied) | dict(point.labels)
         table.add_row(str(n), *(_format(values.get(name, "")) for name in columns))
-    console = SafeConsole(width=_CONSOLE_WIDTH)
+    console = SafeConsole(width=table_width())
     console.print(table)
     sequences = group_by_sequence(point.config for point in points)
     console.print(f"{len(points)} points of {len(sequences)} sequences; {finished} are finished")

@@ -11,9 +11,11 @@ from contextlib import suppress
 from typing import Any, TextIO
 
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 
 from flybench.printable import printable
+from scenarios.output.fitting import fitted
 from scenarios.output.log import log_complaint, log_printed
 
 _PLAIN = {
@@ -40,6 +42,7 @@ _PLAIN = {
     "│": "|",
 }
 """ASCII text for characters that contain no ASCII letter; of the same width if it is readable."""
+_WIDE = 1_000
 _ERRORS = "flybench"
 """Name of our handler of characters that the encoding of a stream lacks."""
 
@@ -105,9 +108,22 @@ class SafeConsole(Console):
         file = None if stderr else own_output()
         super().__init__(file=file, stderr=stderr, width=width, markup=False, emoji=False)
 
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print as `Console.print` does; tables break no word."""
+        super().print(
+            *(fitted(self, item) if isinstance(item, Table) else item for item in objects),
+            **options,
+        )
+
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a text as the console prints it; tables use this for their cells, too."""
         return super().render_str(printable(text), **options)
+
+
+def table_width() -> int | None:
+    """Return the width of wide tables: that of the terminal, or in a file whatever they need."""
+    is_closed = own_output() is None
+    return None if not is_closed and own_output().isatty() else _WIDE
 
 
 def say(text: str) -> None:

@@ -19,7 +19,7 @@ from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.dataset.size import duration_s, estimated_bytes
 from scenarios.errors import ScenarioError
 from scenarios.output.progress import progress_bar
-from scenarios.output.streams import SafeConsole, say
+from scenarios.output.streams import SafeConsole, say, table_width
 from scenarios.output.terminal import run_cli
 from scenarios.pipeline.cluster import run_on_cluster
 from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
@@ -27,8 +27,6 @@ from scenarios.pipeline.parallel import ONE_PER_CORE, check_jobs, run_locally
 DATASETS = Path("logs/dataset")
 _SPEED_OVER_S = 3600.0
 """Time over which the progress display averages the speed [s]; a sequence may take minutes."""
-_CONSOLE_WIDTH = 1_000
-"""Wide enough that no line of a table is wrapped, even when printed to a file."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +95,7 @@ def print_plan(plan: DatasetPlan, finished: int) -> None:
         parameters = sequence.parameters()
         cells = (_format(parameters.get(name, "")) for name in names)
         table.add_row(sequence.name, sequence.variant, *cells)
-    console = SafeConsole(width=_CONSOLE_WIDTH)
+    console = SafeConsole(width=table_width())
     console.print(table)
     size = sum(map(estimated_bytes, plan.sequences))
     console.print(
