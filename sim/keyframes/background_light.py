@@ -134,7 +134,7 @@ def light_subpixels(
     x0, y0, x1, y1 = rectangle
     lights = len(canvas.lit)
     factors, uneven = np.empty(1 + lights), np.empty(lights, np.bool_)
-    factors[0] = effects.gains[0]
+    factors[0], share = effects.gains[0], np.ones(1 + lights)
     active = np.empty(len(effects.light), np.int64)
     for row in range(y0, y1):
         for column in range(x0, x1):
@@ -142,11 +142,14 @@ def light_subpixels(
                 continue
             if canvas.pixel_label[np.uintp(row), np.uintp(column)] >= 0:
                 continue  # a moving part hides it
+            full = effects.gains[0] == 1.0
             for light in range(lights):
                 uneven[light] = not _evenly_lit(canvas.lit, light, row, column, rectangle)
-                factors[1 + light] = effects.gains[1 + light]
+                factor = effects.gains[1 + light]
                 if not uneven[light]:
-                    factors[1 + light] *= canvas.lit[light, row, column]
+                    factor *= canvas.lit[light, np.uintp(row), np.uintp(column)]
+                full &= factor == 1.0
+                factors[1 + light] = factor
             in_beam = _near_beam(canvas.in_beam, row, column, rectangle)
             shadows = 0
             for shadow in range(len(effects.light)):
@@ -155,6 +158,11 @@ def light_subpixels(
                 if here and uneven[effects.light[shadow]]:
                     active[shadows] = shadow
                     shadows += 1
+            i, j = np.uintp(row), np.uintp(column)
+            full &= shadows == 0 and not in_beam
+            if full and canvas.untouched[i, j]:
+                continue
+            canvas.untouched[i, j] = full
             if shadows == 0 and not in_beam:
                 _light_evenly(canvas, background, factors, row, column, supersample)
             else:
@@ -164,6 +172,7 @@ def light_subpixels(
                     effects,
                     projection,
                     factors,
+                    share,
                     active[:shadows],
                     in_beam,
                     row,
@@ -199,6 +208,7 @@ def _light_pointwise(
     effects: ShadowsAndBeams,
     projection: Projection,
     factors: npt.NDArray[np.float64],
+    share: npt.NDArray[np.float64],
     active: I64,
     in_beam: bool,
     row: int,
@@ -213,6 +223,7 @@ def _light_pointwise(
         effects: shadows and beams at this time.
         projection: projection of the camera.
         factors: (1 + lights,) factor of each layer where no shadow falls.
+        share: (1 + lights,) scratch.
         active: numbers of the shadows that may end in the pixel.
         in_beam: True if beams may light the pixel.
         row: row of the pixel.
@@ -223,7 +234,6 @@ def _light_pointwise(
     layers, normals = background.subpixels, background.normals
     maps, sizes, views, is_sun = effects.maps, effects.sizes, effects.views, effects.is_sun
     n_x, n_y, n_z = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
-    share = np.ones(len(factors))
     for i in range(row * supersample, (row + 1) * supersample):
         below = ((i + 0.5) / supersample - centre_y) / focal
         for j in range(column * supersample, (column + 1) * supersample):

@@ -32,6 +32,7 @@ class Canvas(NamedTuple):
         scratch: (height, width) bool.
         background: (rows, columns) float32 luminance of the background's sub-pixels near marked
             pixels [cd/m²].
+        untouched: (height, width) bool, pixels in which `background` is that in full light.
     """
 
     image: F32
@@ -43,6 +44,7 @@ class Canvas(NamedTuple):
     marked: Bools
     scratch: Bools
     background: F32
+    untouched: Bools
 
 
 def blank_canvas(background: Background) -> Canvas:
@@ -57,7 +59,8 @@ def blank_canvas(background: Background) -> Canvas:
         in_beam=np.zeros(size, np.bool_),
         marked=np.zeros(size, np.bool_),
         scratch=np.zeros(size, np.bool_),
-        background=np.zeros(background.subpixel_nearness.shape, np.float32),
+        background=background.subpixels.sum(axis=-1),
+        untouched=np.ones(size, np.bool_),
     )
 
 

@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import compiled
+from flybench.kernels import compiled, inlined
 from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
 from sim.keyframes.background_light import light_pixel_centres, light_subpixels
 from sim.keyframes.canvas import Canvas
 from sim.keyframes.pixel_labels import dilate, label_pixels, mark_edges
-from sim.keyframes.surface_lookup import Surfaces, surface_luminance
+from sim.keyframes.surface_lookup import Surfaces, surface_luminance, surface_run
 from sim.raster.aperture import aperture_weights
 from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
@@ -31,12 +31,12 @@ class Aperture(NamedTuple):
     """Sub-pixels in the aperture of a pixel: S × S of its own, and as many of each neighbour.
 
     Attributes:
-        weights: (3 S,) float32 weights along an axis.
+        weights: (3 S,) float64 weights along an axis, with a sum of 1.
         order: (9 S², 2) int64 rows and columns of the sub-pixels, the nearest to the pixel's centre
             first.
     """
 
-    weights: F32
+    weights: F64
     order: I64
 
 
@@ -52,7 +52,8 @@ def aperture(supersample: int, blur_px: float) -> Aperture:
     off = (2 * rows + 1 - count) ** 2 + (2 * columns + 1 - count) ** 2
     nearest = np.argsort(off, kind="stable")
     order = np.stack([rows[nearest], columns[nearest]], axis=1)
-    return Aperture(aperture_weights(supersample, blur_px), order)
+    weights = aperture_weights(supersample, blur_px).astype(np.float64)
+    return Aperture(weights / weights.sum(), order)
 
 
 @compiled
@@ -98,30 +99,30 @@ def _fill_uniform_pixels(
 ) -> None:
     """Fill the pixels that are not marked: each shows only one thing.
 
-    The background in full light is in the image already.
+    The background in full light is in the image already. Pixels of a row that show the same part
+    are looked up together.
     """
-    layers = background.pixels
+    layers, pixel_label, marked = background.pixels, canvas.pixel_label, canvas.marked
     x0, y0, x1, y1 = rectangle
-    centre = supersample // 2
-    shift = centre + 0.5 - supersample / 2
-    off = shift / supersample
+    sums = np.empty((2, x1))
     for row in range(y0, y1):
-        for column in range(x0, x1):
-            i, j = np.uintp(row), np.uintp(column)
-            part = canvas.pixel_label[i, j]
-            if canvas.marked[i, j] or part == -1:
-                continue
-            if part < 0:
+        i, column = np.uintp(row), x0
+        while column < x1:
+            j, end = np.uintp(column), column + 1
+            part = pixel_label[i, j]
+            if not marked[i, j] and part >= 0:
+                while end < x1 and pixel_label[i, np.uintp(end)] == part:
+                    if marked[i, np.uintp(end)]:
+                        break
+                    end += 1
+                centres = canvas.nearness[row * supersample + supersample // 2]
+                surface_run(surfaces, part, row, column, end, centres, sums, canvas.image[row])
+            elif not marked[i, j] and part < -1:
                 value = gains[0] * layers[0, i, j]
                 for k in range(len(canvas.lit)):
                     value += gains[1 + k] * canvas.lit[k, i, j] * layers[1 + k, i, j]
-            else:
-                nearness = canvas.nearness[
-                    np.uintp(row * supersample + centre), np.uintp(column * supersample + centre)
-                ]
-                u, v = column + 0.5 + off, row + 0.5 + off
-                value = surface_luminance(surfaces, part, u, v, nearness, shift, shift)
-            canvas.image[i, j] = value
+                canvas.image[i, j] = value
+            column = end
 
 
 @compiled
@@ -142,30 +143,37 @@ def _blend_edge_pixels(
         for column in range(x0, x1):
             if not canvas.marked[np.uintp(row), np.uintp(column)]:
                 continue
-            left, right = max((column - 1) * size, x0 * size), min((column + 2) * size, x1 * size)
-            value = total = share = 0.0
-            found, last = 0, -1
+            first = (column - 1) * size
+            left, right = max(first, x0 * size), min((column + 2) * size, x1 * size)
+            value, found = 0.0, 0
             for i in range(top, bottom):
-                down = weights[np.uintp(i - (row - 1) * size)]
+                across, last, share = 0.0, -1, 0.0
                 for j in range(left, right):
-                    weight = down * weights[np.uintp(j - (column - 1) * size)]
-                    total += weight
+                    weight = weights[np.uintp(j - first)]
                     part = label[np.uintp(i), np.uintp(j)]
+                    if part < 0:
+                        across += weight * background[np.uintp(i), np.uintp(j)]
+                        continue
                     if part != last:
-                        found = _add_coverage(parts, coverage, found, last, share)
+                        down = weights[np.uintp(i - (row - 1) * size)]
+                        found = _add_coverage(parts, coverage, found, last, down * share)
                         last, share = part, 0.0
                     share += weight
-                    if part < 0:
-                        value += weight * background[np.uintp(i), np.uintp(j)]
-            found = _add_coverage(parts, coverage, found, last, share)
+                down = weights[np.uintp(i - (row - 1) * size)]
+                found = _add_coverage(parts, coverage, found, last, down * share)
+                value += down * across
             for k in range(found):
                 value += coverage[k] * _part_luminance(
                     canvas, surfaces, seen, parts[k], row, column, rectangle
                 )
-            canvas.image[np.uintp(row), np.uintp(column)] = value / total
+            if bottom - top < 3 * size or right - left < 3 * size:
+                shift = (row - 1) * size
+                value /= weights[top - shift : bottom - shift].sum()
+                value /= weights[left - first : right - first].sum()
+            canvas.image[np.uintp(row), np.uintp(column)] = value
 
 
-@compiled
+@inlined
 def _add_coverage(parts: I64, coverage: F64, found: int, part: int, share: float) -> int:
     """Add to the coverage of a part, and return how many parts have been found."""
     if part < 0:
@@ -178,7 +186,7 @@ def _add_coverage(parts: I64, coverage: F64, found: int, part: int, share: float
     return found + 1
 
 
-@compiled
+@inlined
 def _part_luminance(
     canvas: Canvas,
     surfaces: Surfaces,

@@ -63,22 +63,25 @@ def mark_edges(
     """
     x0, y0, x1, y1 = rectangle
     for row in range(y0, y1):  # first: a pixel with its left and right neighbours
+        i = np.uintp(row)
         for column in range(x0, x1):
-            at, left, right = column, max(column - 1, x0), min(column + 1, x1 - 1)
-            own = pixel_label[row, at]
-            alike = (pixel_label[row, left] == own) & (pixel_label[row, right] == own)
-            lit = in_beam[row, left] | in_beam[row, at] | in_beam[row, right]
-            scratch[row, at] = (not alike) | (own == EDGE) | lit
+            at = np.uintp(column)
+            left, right = np.uintp(max(column - 1, x0)), np.uintp(min(column + 1, x1 - 1))
+            own = pixel_label[i, at]
+            alike = (pixel_label[i, left] == own) & (pixel_label[i, right] == own)
+            lit = in_beam[i, left] | in_beam[i, at] | in_beam[i, right]
+            scratch[i, at] = (not alike) | (own == EDGE) | lit
     for row in range(y0, y1):
-        above, below = max(row - 1, y0), min(row + 1, y1 - 1)
+        i, above, below = np.uintp(row), np.uintp(max(row - 1, y0)), np.uintp(min(row + 1, y1 - 1))
         for column in range(x0, x1):
-            own = pixel_label[row, column]
-            marked[row, column] = (
-                scratch[row, column]
-                | scratch[above, column]
-                | scratch[below, column]
-                | (pixel_label[above, column] != own)
-                | (pixel_label[below, column] != own)
+            at = np.uintp(column)
+            own = pixel_label[i, at]
+            marked[i, at] = (
+                scratch[i, at]
+                | scratch[above, at]
+                | scratch[below, at]
+                | (pixel_label[above, at] != own)
+                | (pixel_label[below, at] != own)
             )
 
 

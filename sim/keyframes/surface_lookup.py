@@ -100,6 +100,97 @@ def move_surfaces(surfaces: Surfaces, t_us: int, views: F64, projection: Project
                 matrix[2, b] = z
 
 
+@compiled
+def surface_run(
+    surfaces: Surfaces,
+    part: int,
+    row: int,
+    start: int,
+    end: int,
+    nearness: F32,
+    sums: F64,
+    out: F32,
+) -> None:
+    """Look up a part at the centres of several pixels of a row.
+
+    Args:
+        surfaces: surfaces of all parts, moved to the present time.
+        part: number of the part.
+        row: row of the pixels.
+        start: first pixel.
+        end: pixel after the last.
+        nearness: (columns,) nearness along the row of sub-pixels at or just after the pixels'
+            centres [1/m].
+        sums: (2, at least `end`) scratch.
+        out: (width,) luminance of the row; set at these pixels [cd/m²].
+    """
+    for layer in range(2):
+        k = part + layer * (len(surfaces.means) // 2)
+        if layer == 1 and surfaces.patches[k, 0, 3] + surfaces.patches[k, 1, 3] == 0:
+            break
+        sums[:, start:end] = 0.0
+        for key in range(2):
+            if surfaces.weights[k, key] > 0.0 and surfaces.patches[k, key, 3] > 0:
+                _add_run(surfaces, k, key, row, start, end, nearness, sums)
+        for column in range(start, end):
+            j = np.uintp(column)
+            shown = sums[1, j] > MIN_COVERAGE
+            here = sums[0, j] / sums[1, j] if shown else surfaces.means[k]
+            out[j] = here if layer == 0 else out[j] * here
+
+
+@compiled
+def _add_run(
+    surfaces: Surfaces,
+    k: int,
+    key: int,
+    row: int,
+    start: int,
+    end: int,
+    nearness: F32,
+    sums: F64,
+) -> None:
+    """Add what one keyframe shows of row `k` of the surfaces; see `surface_run`."""
+    grid, patch, m = surfaces.grid, surfaces.patches[k, key], surfaces.matrices[k, key]
+    share, first, width, height = surfaces.weights[k, key], patch[0], patch[3], patch[4]
+    size = surfaces.per_pixel
+    centre = size // 2
+    shift = centre + 0.5 - size / 2
+    off, v = 0.5 + shift / size, row + 0.5 + shift / size
+    x_u, x_row, x_near = m[0, 0], m[0, 1] * v + m[0, 2], m[0, 3]
+    y_u, y_row, y_near = m[1, 0], m[1, 1] * v + m[1, 2], m[1, 3]
+    z_u, z_row, z_near = m[2, 0], m[2, 1] * v + m[2, 2], m[2, 3]
+    for column in range(start, end):
+        j, u = np.uintp(column), column + off
+        near = nearness[np.uintp(column * size + centre)]
+        depth = z_u * u + z_row + z_near * near
+        if depth <= 0.0:
+            continue
+        scale = 1.0 / depth
+        x = (x_u * u + x_row + x_near * near) * scale - shift
+        y = (y_u * u + y_row + y_near * near) * scale - shift
+        if x >= 0.0 and y >= 0.0 and x < width - 1 and y < height - 1:
+            value, coverage = _bilinear(grid, first, width, x, y)
+            sums[0, j] += share * value
+            sums[1, j] += share * coverage
+
+
+@inlined
+def _bilinear(grid: F32, first: int, width: int, x: float, y: float) -> tuple[float, float]:
+    """Interpolate a patch at a column and row inside it: coverage × luminance, and coverage."""
+    left, top = int(x), int(y)
+    across, down = x - left, y - top
+    at, step = np.uintp(first + top * width + left), np.uintp(1)
+    below = at + np.uintp(width)
+    a, b = (1.0 - across) * (1.0 - down), across * (1.0 - down)
+    c, d = (1.0 - across) * down, across * down
+    value = a * grid[at, 0] + b * grid[at + step, 0]
+    value += c * grid[below, 0] + d * grid[below + step, 0]
+    coverage = a * grid[at, 1] + b * grid[at + step, 1]
+    coverage += c * grid[below, 1] + d * grid[below + step, 1]
+    return value, coverage
+
+
 @inlined
 def surface_luminance(
     surfaces: Surfaces,
@@ -162,14 +253,7 @@ def _interpolated(
         y = (m[1, 0] * u + m[1, 1] * v + m[1, 2] + m[1, 3] * nearness) * scale - shift_v
         if not (x >= 0.0 and y >= 0.0 and x < width - 1 and y < height - 1):
             continue
-        left, top = int(x), int(y)
-        across, down = x - left, y - top
-        at, step = np.uintp(patches[k, q, 0] + top * width + left), np.uintp(1)
-        below = at + np.uintp(width)
-        a, b = share * (1.0 - across) * (1.0 - down), share * across * (1.0 - down)
-        c, d = share * (1.0 - across) * down, share * across * down
-        total += a * grid[at, 0] + b * grid[at + step, 0]
-        total += c * grid[below, 0] + d * grid[below + step, 0]
-        weight += a * grid[at, 1] + b * grid[at + step, 1]
-        weight += c * grid[below, 1] + d * grid[below + step, 1]
+        value, coverage = _bilinear(grid, patches[k, q, 0], width, x, y)
+        total += share * value
+        weight += share * coverage
     return total / weight if weight > MIN_COVERAGE else -1.0

@@ -2,12 +2,13 @@
 
 import itertools
 from collections.abc import Sequence
+from pathlib import Path
 from time import process_time
 from typing import Any
 
 import pytest
 
-from sim import Crossing, CrossingConfig, Lighting
+from sim import Crossing, CrossingConfig, Lighting, LuminanceCache
 from sim.config import PAPER_OMEGA_RAD_S
 
 
@@ -63,6 +64,27 @@ def test_crossing_against_full_frames(
             f"\n{lighting} {omega_rad_s} rad/s: {len(times_us)} samples in {spent_s:.1f} s of CPU,"
             f" {ratio:.1f} times less than full 2×2 frames; {seconds:.1f} s per second of scene"
         )
+
+
+@pytest.mark.benchmark(group="a crossing of a sweep over speeds, with ground truth [CPU]")
+@pytest.mark.parametrize(
+    ("lighting", "omega_rad_s"), [(Lighting.DAY, 1.61), (Lighting.NIGHT, 1.42)]
+)
+def test_crossing_of_a_sweep(
+    benchmark: Any, tmp_path: Path, lighting: Lighting, omega_rad_s: float
+) -> None:
+    """The background is in the cache, from a crossing at another speed, and luminance is stored."""
+
+    def run(omega_rad_s: float) -> float:
+        config = CrossingConfig(lighting=lighting, omega_rad_s=omega_rad_s)
+        start = process_time()
+        crossing = Crossing(config, cache=LuminanceCache(tmp_path))
+        assert sum(1 for _ in crossing.samples()) > 1000
+        return (process_time() - start) / (crossing.duration_us * 1e-6)
+
+    run(2 * omega_rad_s)
+    per_s = benchmark.pedantic(run, (omega_rad_s,), rounds=1)
+    benchmark.extra_info["cpu_s_per_second_of_scene"] = round(per_s, 2)
 
 
 def full_frame_cpu_s(crossing: Crossing, times_us: Sequence[int]) -> float:
