@@ -26,8 +26,9 @@ from sim.geometry.rectangles import (
     image_rectangle,
     rectangle_of_points,
 )
+from sim.keyframes.midpoints import with_midpoints
 from sim.keyframes.reprojection import RenderedSample, Reprojection
-from sim.keyframes.steady_lens import steady_lens
+from sim.keyframes.rotation_warp import steady_lens
 from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.free_memory import return_large_blocks
@@ -132,7 +133,7 @@ class Crossing:
                 0,
                 self.duration_us,
                 self._fastest_px_s,
-                step_px=self.config.step_px,
+                step_px=self.config.drawn_step_px,
                 max_step_us=longest_us,
             )
         )
@@ -141,7 +142,8 @@ class Crossing:
         """Render the sequence from keyframes; see `sim.keyframes.reprojection`.
 
         Args:
-            times_us: strictly increasing sample times [µs]; None: `times_us()`.
+            times_us: strictly increasing sample times [µs]; None: `times_us()`, in a draft with
+                samples half way between them, see `sim.keyframes.midpoints`.
 
         Yields:
             Samples in order of time. Each owns its arrays.
@@ -158,7 +160,10 @@ class Crossing:
                 "Sort the times and remove duplicates."
             )
         probe = TruthProbe(self.scene, self.intrinsics)
-        for frame in self._cached_luminance(times):
+        frames = self._cached_luminance(times)
+        if times_us is None and self.config.is_draft:
+            frames = with_midpoints(frames)
+        for frame in frames:
             truth = probe.measure(frame.t_us, self.seconds(frame.t_us), frame.body)
             yield Sample(frame.t_us, frame.luminance, truth, frame.changed)
 
@@ -236,8 +241,8 @@ class Crossing:
                 times_us,
                 self.seconds,
                 supersample=self.config.supersample,
-                spacing_px=self.config.keyframe_px,
-                step_px=self.config.step_px,
+                spacing_px=self.config.drawn_keyframe_px,
+                step_px=self.config.drawn_step_px,
                 cache=self.cache,
             )
             yield reprojection.render

@@ -81,6 +81,7 @@ _OF_MOVERS = frozenset(
         "max_step_ms",
         "supersample",
         "keyframe_px",
+        "quality",
         "far_vehicle",
         "far_vehicle_kind",
         "far_vehicle_speed_m_s",

@@ -34,8 +34,7 @@ from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.renderings import Renderings
-from sim.keyframes.rotation_warp import rotated_image
-from sim.keyframes.steady_lens import SHAKE_SCALE
+from sim.keyframes.rotation_warp import SHAKE_SCALE, rotated_image
 from sim.keyframes.store import KeyframeStore
 from sim.raster.aperture import (
     LENS_BLUR_PX,
@@ -91,7 +90,7 @@ class Reprojection:
         """Render the static background and plan the keyframes.
 
         Args:
-            thread: renderer of `model`, with the lens from `sim.keyframes.steady_lens`.
+            thread: renderer of `model`, with the lens from `sim.keyframes.rotation_warp`.
             model: luminance model of the scene.
             scene: the scene: what moves, and how.
             lens: intrinsics of the camera.

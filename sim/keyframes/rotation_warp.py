@@ -1,4 +1,4 @@
-"""Image of a rotated camera, computed from a finer image of a steady camera in the same position.
+"""Image of a rotated camera, computed from a wider and finer image of a steady camera.
 
 Nothing is interpolated. Each pixel is the mean of the steady image's pixels (here called
 sub-pixels) around the point that it looks at, weighted with its aperture at their exact distances.
@@ -9,6 +9,7 @@ responds to the logarithm of its luminance.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -16,12 +17,38 @@ import numpy.typing as npt
 from flybench.kernels import compiled
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.raster.aperture import BLUR_REACH_PX, LENS_BLUR_PX
+from sim.scene.scene import Scene
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 
+SHAKE_MARGIN_PX = 3
+"""Margin beyond the largest displacement by shake, for the pixel's aperture (assumed)."""
+SHAKE_SCALE = 3
+"""Pixels of the steady camera per pixel of the shaking camera, along each axis: as many as the
+default supersampling gives a steady camera."""
 TABLE_STEPS = 256
 """Steps per pixel at which the aperture is tabulated; the nearest is used (assumed)."""
+
+
+def steady_lens(scene: Scene, lens: Intrinsics, times_s: Sequence[float]) -> Intrinsics:
+    """Return a lens for a steady camera that sees everything the shaking camera sees, but finer.
+
+    Args:
+        scene: scene with or without camera shake.
+        lens: intrinsics of the shaking camera.
+        times_s: sample times [s].
+
+    Returns:
+        The wider and finer lens; `lens` itself if the scene has no shake.
+    """
+    if scene.shake is None:
+        return lens
+    angle = max(float(np.linalg.norm(scene.shake.rotation_rad(t))) for t in times_s)
+    corner = math.hypot(lens.width, lens.height) / 2 / lens.focal_px
+    swing = math.tan(math.atan(corner) + angle) - corner
+    margin_px = math.ceil(lens.focal_px * swing) + SHAKE_MARGIN_PX
+    return lens.with_margin(margin_px).scaled(SHAKE_SCALE)
 
 
 def rotated_image(

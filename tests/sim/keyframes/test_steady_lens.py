@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim import CrossingConfig, Distractors, Intrinsics
-from sim.keyframes.steady_lens import SHAKE_SCALE, steady_lens
+from sim.keyframes.rotation_warp import SHAKE_SCALE, steady_lens
 from sim.scene.scene import build_scene
 
 LENS = Intrinsics(width=80, height=60, focal_px=70.0)
