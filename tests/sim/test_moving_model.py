@@ -1,5 +1,6 @@
 """The truth of a model that moves along a trajectory, against geometry by hand."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -7,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim import SceneConfigError
-from sim.moving_model import MovingModel
+from sim.moving_model import MovingModel, Place
 
-SIZE = {"width": 40, "height": 30}
+WIDTH, HEIGHT = 40, 30
 FOCAL_PX = 15 / np.tan(np.radians(45) / 2)
 CAMERA = '<camera name="eye" pos="0 0 4" fovy="45"/>'
 WALL = '<geom type="plane" size="9 9 .1"/>'
@@ -29,9 +30,13 @@ def slide(data: Any, t_s: float) -> None:
     data.qpos[0] = 0.5 * t_s
 
 
+def moving_of(model: Any, place: Place = slide, objects: Sequence[str] = ()) -> MovingModel:
+    return MovingModel(model, "eye", place, width=WIDTH, height=HEIGHT, objects=objects)
+
+
 def test_flow_displacement_and_masks_of_a_sliding_box() -> None:
     world = CAMERA + WALL + BOX.format(name="box", inside="")
-    moving = MovingModel(model_of(world), "eye", slide, **SIZE)
+    moving = moving_of(model_of(world))
     (item,) = moving.objects
     assert item.name == item.kind == "box"
     seen = moving.visible(0.2)
@@ -51,7 +56,7 @@ def test_flow_displacement_and_masks_of_a_sliding_box() -> None:
 def test_a_moving_camera_moves_the_background() -> None:
     drone = '<joint type="slide" axis="1 0 0"/><geom size=".1" pos="0 0 9"/>' + CAMERA
     world = f'{WALL}<body name="drone">{drone}</body>'
-    moving = MovingModel(model_of(world), "eye", slide, **SIZE)
+    moving = moving_of(model_of(world))
     assert moving.pose_at(0.4).position_m == pytest.approx([0.2, 0, 4])
     assert moving.flow_px_s(0.1)[..., 0] == pytest.approx(-FOCAL_PX * 0.5 / 4, abs=1e-4)
 
@@ -62,7 +67,7 @@ def test_a_mocap_body_has_its_velocity() -> None:
     def place(data: Any, t_s: float) -> None:
         data.mocap_pos[0] = (t_s, 0, 1)
 
-    moving = MovingModel(model_of(world), "eye", place, **SIZE)
+    moving = moving_of(model_of(world), place)
     assert moving.flow_px_s(0.0)[15, 20, 0] == pytest.approx(FOCAL_PX / 2.5, rel=0.01)
 
 
@@ -70,17 +75,17 @@ def test_objects_are_whole_trees_or_the_named_bodies() -> None:
     inside = '<body name="lid" pos="0 0 .3"><joint/><geom size=".1"/></body>'
     world = CAMERA + BOX.format(name="box", inside=inside) + BOX.format(name="other", inside="")
     model = model_of(world)
-    whole = MovingModel(model, "eye", slide, **SIZE)
+    whole = moving_of(model)
     assert [item.name for item in whole.objects] == ["box", "other"]
     assert whole.object_of_body.tolist() == [-1, 0, 0, 1]
-    named = MovingModel(model, "eye", slide, objects=["lid", "box"], **SIZE)
+    named = moving_of(model, objects=["lid", "box"])
     assert [item.name for item in named.objects] == ["box", "lid"]
     assert named.object_of_body.tolist() == [-1, 0, 1, -1]
 
 
 def test_what_deforms_has_a_velocity_and_no_displacement() -> None:
     world = CAMERA + WALL + BOX.format(name="box", inside=SITES[0]) + SITES[1]
-    moving = MovingModel(model_of(world, TENDON), "eye", slide, **SIZE)
+    moving = moving_of(model_of(world, TENDON))
     seen, flow = moving.visible(0.0), moving.flow_px_s(0.0)
     on_cord = seen.body >= 2
     assert on_cord.any()
@@ -118,7 +123,7 @@ def test_models_without_truth_are_refused(
     world: str, rest: str, objects: tuple[str, ...], message: str
 ) -> None:
     with pytest.raises(SceneConfigError, match=message):
-        MovingModel(model_of(world, rest), "eye", slide, objects=objects, **SIZE)
+        moving_of(model_of(world, rest), objects=objects)
 
 
 def test_positions_that_are_not_finite_are_refused() -> None:
@@ -127,6 +132,6 @@ def test_positions_that_are_not_finite_are_refused() -> None:
     def place(data: Any, t_s: float) -> None:
         data.qpos[0] = np.nan
 
-    moving = MovingModel(model_of(world), "eye", place, **SIZE)
+    moving = moving_of(model_of(world), place)
     with pytest.raises(SceneConfigError, match=r"positions that are not finite at 0\.5 s"):
         moving.visible(0.5)

@@ -290,7 +290,7 @@ def test_tonic_reads_a_sequence_as_one_of_dsec(
     dsec = pytest.importorskip("tonic.datasets.dsec")
     freeimage = SimpleNamespace(download=lambda: None)
     plugins = SimpleNamespace(plugins=SimpleNamespace(freeimage=freeimage))
-    monkeypatch.setitem(sys.modules, "imageio", plugins)  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "imageio", plugins)
     monkeypatch.setattr(
         dsec.DSEC, "_read_16bit_png", lambda _, file: read_image(Path(file))[..., ::-1]
     )

@@ -116,11 +116,9 @@ BAD = {
     SPLITS + '[crossing]\ndirection = "none"': (
         r"crossing\.direction is 'none'\. Allowed is one of right, left, up, down"
     ),
-    SPLITS
-    + '[labels]\nwanted = [["flow"]]': r"labels\.wanted holds \['flow'\]\. Allowed is one",
+    SPLITS + '[labels]\nwanted = [["flow"]]': r"labels\.wanted holds \['flow'\]\. Allowed is one",
     SPLITS + "[crossing]\nomega_rad_s = nan": r"crossing\.omega_rad_s is nan\. Allowed is a number",
-    SPLITS
-    + "[crossing]\nomega_rad_s = {uniform = [nan, 2.0]}": r"low below high\. Correct the",
+    SPLITS + "[crossing]\nomega_rad_s = {uniform = [nan, 2.0]}": r"low below high\. Correct the",
     SPLITS + "[crossing]\nsun_elevation_deg = {uniform = [-10.0, 10.0]}": (
         r"crossing\.sun_elevation_deg is -10\.0\. Allowed is a number from 5 to 90 deg"
     ),

@@ -6,7 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import pytest
+
+from scenarios.datasets.slicing import read_events
 
 PAGE = Path(__file__).parents[3] / "docs" / "datasets.md"
 
@@ -53,3 +56,35 @@ def test_the_dataset_loads_neither_torch_nor_the_simulator() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "False\n"), done.stderr
+
+
+def test_the_example_trains_a_network_that_is_a_detector(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("torch")
+    repository, weights = PAGE.parents[1], tmp_path / "network.pt"
+    script = repository / "examples" / "learned_direction" / "train.py"
+    done = subprocess.run(
+        [sys.executable, str(script), str(root), "--weights", str(weights), "--step", "1"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert "samples to train on: right " in lines[0]
+    assert lines[-2].startswith("fly  ")
+    assert lines[-1].startswith("learned direction ")
+    from scenarios.pipeline.user_detectors import find_method
+
+    monkeypatch.setenv("LEARNED_DIRECTION", str(weights))
+    monkeypatch.chdir(repository)
+    method = find_method("examples.learned_direction.network:LearnedDirection")
+    estimates = method.make(width=97, height=65).advance(100_000)
+    assert [estimate.direction for estimate in estimates] == ["none"] * 10
+    with h5py.File(root / "test/0000/events/left/events.h5") as file:
+        events = read_events(file, 0, len(file["events/t"]))
+    estimates = method.make(width=97, height=65).push(events)
+    assert len(estimates) == events["t"][-1] // 10_000
+    assert all(-1 <= estimate.hs <= 1 for estimate in estimates)
