@@ -31,6 +31,8 @@ from examples.learned_direction.network import (
     network_input,
 )
 from flybench import Direction, EventDataset, FlyDetector
+from scenarios.dataset.layout import label_times_us
+from scenarios.datasets.label_reading import SequenceLabels
 from scenarios.datasets.slicing import read_events
 
 STILL = CLASSES.index(Direction.NONE)
@@ -40,10 +42,14 @@ EPOCHS, BATCH, RATE = 10, 32, 2e-3
 """Usual values; they were not tuned on the test split or on recordings."""
 
 
-def has_walker(root: Path, sequence: str) -> bool:
+def has_walker(summary: dict) -> bool:
     """Return True if a pedestrian walks, so that something moves without a vehicle."""
-    summary = json.loads((root / sequence / "summary.json").read_text())
     return summary["parameters"]["crossing"]["distractors"]["pedestrian"] != "none"
+
+
+def read_summary(folder: Path) -> dict:
+    """Return the summary of a sequence."""
+    return json.loads((folder / "summary.json").read_text())
 
 
 def read_samples(root: Path, split: str, step: int) -> tuple[torch.Tensor, torch.Tensor]:
@@ -65,7 +71,7 @@ def read_samples(root: Path, split: str, step: int) -> tuple[torch.Tensor, torch
         sample = samples[k]
         name, seen = sample["sequence"], float(sample["visibility"])
         if name not in walkers:
-            walkers[name] = has_walker(root, name)
+            walkers[name] = has_walker(read_summary(root / name))
         if 0 < seen < VISIBLE or (seen == 0 and walkers[name]):
             continue
         inputs.append(network_input(sample["events"][None]).half())
@@ -106,19 +112,17 @@ def train(x: torch.Tensor, y: torch.Tensor, seed: int) -> DirectionNetwork:
     return network
 
 
-def true_classes(root: Path, sequence: str) -> tuple[np.ndarray, np.ndarray]:
+def true_classes(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return the times of the labels of a sequence [µs], and their classes; -1: not to score."""
-    samples = EventDataset(root, sequence.split("/")[0], window_us=1000, labels=["motion"])
-    own = [samples[k] for k in range(len(samples))]
-    own = [sample for sample in own if sample["sequence"] == sequence]
-    walker = has_walker(root, sequence)
-    classes = [
-        sample["direction"]
-        if sample["visibility"] >= VISIBLE
-        else (STILL if sample["visibility"] == 0 and not walker else -1)
-        for sample in own
-    ]
-    return np.array([sample["t_us"] for sample in own]), np.array(classes)
+    summary = read_summary(folder)
+    times_us = label_times_us(summary["duration_us"], summary["period_us"])
+    labels, still = SequenceLabels(folder, times_us), -1 if has_walker(summary) else STILL
+    classes = np.full(len(times_us), still)
+    for k in range(len(times_us)):
+        motion = labels.read("motion", k)
+        if motion["visibility"] > 0:
+            classes[k] = motion["direction"] if motion["visibility"] >= VISIBLE else -1
+    return np.array(times_us), classes
 
 
 def score(root: Path, split: str, make) -> Counter[str]:
@@ -128,7 +132,7 @@ def score(root: Path, split: str, make) -> Counter[str]:
     """
     counts: Counter[str] = Counter()
     for folder in sorted((root / split).iterdir()):
-        times_us, classes = true_classes(root, f"{split}/{folder.name}")
+        times_us, classes = true_classes(folder)
         with h5py.File(folder / "events/left/events.h5") as file:
             width, height = int(file.attrs["width"]), int(file.attrs["height"])
             events = read_events(file, 0, len(file["events/t"]))
