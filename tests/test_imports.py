@@ -2,8 +2,10 @@
 import a heavy library."""
 
 import ast
+import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -128,3 +130,16 @@ def test_no_folder_holds_more_than_fifteen_modules() -> None:
     folders = {path.parent for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     counts = {f: len([p for p in f.glob("*.py") if p.name != "__init__.py"]) for f in folders}
     assert {f: n for f, n in counts.items() if n > 15} == {}
+
+
+def test_the_emulator_needs_only_the_libraries_that_every_installation_has() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    installed = {re.split(r"[<>=\[]", one)[0] for one in project["dependencies"]}
+    assert installed == {"numba", "numpy"}
+    used = {
+        name.split(".")[0]
+        for package in ("flybench", "emulator")
+        for path, name in sources(package)
+        if "characterisation" not in path.parts
+    }
+    assert used - sys.stdlib_module_names - set(PACKAGES) == installed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -31,10 +33,18 @@ def fitted(console: Console, table: Table) -> RenderableType:
     if room < 0:
         return _lists(table)
     if sum(wished) > room:
-        for n, column in enumerate(table.columns):
-            share = room * wished[n] // sum(wished)
-            column.width = least[n] + share - table._get_padding_width(n)
+        for n, share in _shares(wished, room).items():
+            table.columns[n].width = least[n] + share - table._get_padding_width(n)
     return table
+
+
+def _shares(wished: Sequence[int], room: int) -> dict[int, int]:
+    """Return the share of each column in some room; those that want little get all of it."""
+    shares: dict[int, int] = {}
+    for n in sorted(range(len(wished)), key=wished.__getitem__):
+        shares[n] = min(wished[n], room // (len(wished) - len(shares)))
+        room -= shares[n]
+    return shares
 
 
 def _lists(table: Table) -> RenderableType:

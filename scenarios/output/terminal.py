@@ -17,10 +17,10 @@ import tyro
 from flybench.disk_space import caused_by_full_disk
 from flybench.errors import FlybenchError
 from scenarios.errors import is_interrupt
+from scenarios.output.arguments.option_groups import flat, grouped
+from scenarios.output.arguments.shared_options import SharedOptions
 from scenarios.output.log import log_complaint, log_step
-from scenarios.output.option_groups import flat, grouped
 from scenarios.output.repetition import check_repetition
-from scenarios.output.shared_options import SharedOptions
 from scenarios.output.streams import (
     claim_output,
     complain,

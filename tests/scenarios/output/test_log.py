@@ -9,8 +9,8 @@ import pytest
 from formats import FormatError
 from scenarios.errors import OutputError, ScenarioError
 from scenarios.output import log
+from scenarios.output.arguments.shared_options import SharedOptions
 from scenarios.output.log import log_step
-from scenarios.output.shared_options import SharedOptions
 from scenarios.output.streams import complain, say
 from scenarios.output.terminal import execute
 

@@ -7,7 +7,7 @@ import pytest
 import tyro
 
 from scenarios.cli import COMMANDS, command_class
-from scenarios.output.option_groups import flat, grouped
+from scenarios.output.arguments.option_groups import flat, grouped
 
 
 @dataclass(frozen=True)
