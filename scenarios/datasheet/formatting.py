@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from emulator.characterisation import Datasheet, Quantity
-from scenarios.output.numbers import plain_number
+from scenarios.output.numbers import MINUS, plain_number
 
 NOT_MEASURED = "–"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -84,6 +84,7 @@ def three_digits(value: float) -> str:
     if value == 0.0 or 1e-4 <= abs(value) < 1e6:
         return plain_number(value)
     mantissa, _, exponent = f"{value:.2e}".replace("-", "−").partition("e")
+    mantissa = plain_number(float(mantissa.replace(MINUS, "-")))
     return f"{mantissa} × 10{str(int(exponent.replace('−', '-'))).translate(_SUPERSCRIPTS)}"
 
 

@@ -49,7 +49,7 @@ def thresholds_page(fit: ThresholdFit | None, sensor: SensorConfig) -> Fit:
     else:
         evidence = f"from {pixels:,} pixels over the whole recording"
         parameters.append(Parameter("theta_mismatch", "ln units", mismatch, None, evidence))
-    share = Quantity("mean rest below the threshold", "of it", fit.share)
+    share = Quantity("mean rest, of the threshold", "%", 100.0 * fit.share)
     plots = [_change_plot(fit), _mismatch_plot(fit, mismatch)]
     return Fit("thresholds", tuple(parameters), Section(title, method, (share,), plots))
 
