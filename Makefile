@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study demo test lint bench setup clean
+.PHONY: study demo test lint bench docs setup clean
 
 study: setup
 	$(BIN)/flybench study
@@ -28,6 +28,12 @@ bench: setup
 	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks \
 	    --benchmark-only --benchmark-disable-gc --benchmark-columns=min,median,iqr,rounds
 
+# The documentation site, in docs/_build/html. A warning, such as a broken link, fails the build.
+docs: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,docs]'
+	$(BIN)/python -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	@echo "Open docs/_build/html/index.html."
+
 setup: $(READY)
 
 $(READY): pyproject.toml constraints.txt .ci/setup
@@ -36,4 +42,4 @@ $(READY): pyproject.toml constraints.txt .ci/setup
 	@echo "flybench is ready in $(VENV)."
 
 clean:
-	rm -rf $(VENV) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) build docs/_build docs/auto_gallery *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

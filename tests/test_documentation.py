@@ -9,10 +9,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = (
-    "docs/limits.md",
-    "docs/real-recordings.md",
-    "docs/realism.md",
-    "docs/calibration.md",
+    "docs/explanation/limits.md",
+    "docs/explanation/real-recordings.md",
+    "docs/explanation/realism.md",
+    "docs/explanation/calibration.md",
     "README.md",
     "sim/README.md",
     "emulator/README.md",
@@ -20,7 +20,7 @@ PAGES = (
     "formats/README.md",
     "scenarios/README.md",
 )
-MORE_PAGES = ("docs/datasets.md",)
+MORE_PAGES = ("docs/explanation/datasets.md",)
 """Pages whose examples run in tests of their own."""
 EXAMPLE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 

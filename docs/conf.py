@@ -1,0 +1,67 @@
+"""Settings of the documentation site. `make docs` builds it to docs/_build/html."""
+
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+DOCS = Path(__file__).parent
+sys.path[:0] = [str(DOCS.parent), str(DOCS / "_ext")]
+
+from flybench import __version__  # noqa: E402
+
+project = "flybench"
+author = "the developers of flybench"
+copyright = "2026, the developers of flybench"  # noqa: A001
+version = release = __version__
+
+extensions = [
+    "myst_nb",  # Markdown pages, and notebooks that run when the site is built
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+    "repository_links",
+]
+exclude_patterns = ["_build", "gallery", "**/.ipynb_checkpoints"]
+exclude_patterns += ["auto_gallery/*.ipynb", "sg_execution_times.rst"]  # by-products of the gallery
+nitpicky = True
+linkcheck_ignore = [r"http://(localhost|127\.0\.0\.1)"]
+
+# Markdown
+myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 4
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(DOCS / "_build" / "notebooks")
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+
+# Docstrings
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+
+# Gallery: each script in docs/gallery becomes a page with its figures.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "filename_pattern": r"[\\/]",
+    "ignore_pattern": r"[\\/]_",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "show_memory": False,
+    "write_computation_times": False,
+    "show_signature": False,
+    "remove_config_comments": True,
+}
+
+# Look. Everything that a page needs lies in the site, so it can be read offline.
+html_theme = "furo"
+html_title = f"flybench {release}"
+MATHJAX = Path(next(iter(find_spec("sphinx-mathjax-offline").submodule_search_locations)))
+html_static_path = ["_static", str(MATHJAX / "static" / "mathjax" / "tex-svg.js")]
+html_css_files = ["site.css"]
+mathjax_path = "tex-svg.js"
+html_copy_source = False
