@@ -22,11 +22,16 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "generated_pages",
+    "public_names",
     "repository_links",
 ]
 exclude_patterns = ["_build", "gallery", "**/.ipynb_checkpoints"]
 exclude_patterns += ["auto_gallery/*.ipynb", "sg_execution_times.rst"]  # by-products of the gallery
 nitpicky = True
+OURS = r"(?:flybench|sim|emulator|detector|formats|scenarios)\b"
+nitpick_ignore_regex = [("py:.*", rf"(?!{OURS}).*"), ("py:obj", ".*")]
+default_role = "py:obj"  # `names` in docstrings become links where they can
 linkcheck_ignore = [r"http://(localhost|127\.0\.0\.1)"]
 
 # Markdown
@@ -40,8 +45,12 @@ nb_execution_raise_on_error = True
 # Docstrings
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_format = "short"
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+python_maximum_signature_line_length = 88
 
 # Gallery: each script in docs/gallery becomes a page with its figures.
 sphinx_gallery_conf = {

@@ -22,11 +22,13 @@ _RANGES = {
 class ReadoutKind(StrEnum):
     """How a chip reads its events out.
 
-    ROW_ARBITER: the pixels request, and a tree of arbiters grants one row after another (DVS128,
-        DAVIS, Prophesee's chips).
-    ROUND_ROBIN: the same bus, but the rows are granted in their order, each after the one above it
-        (flybench's arbiter until November 2026, kept for comparisons; no real chip is known).
-    SCAN: the chip reads the whole array at a fixed period (Samsung's chips, as in the DVXplorer).
+    Attributes:
+        ROW_ARBITER: the pixels request, and a tree of arbiters grants one row after another
+            (DVS128, DAVIS, Prophesee's chips).
+        ROUND_ROBIN: the same bus, but the rows are granted in their order, each after the one above
+            it (flybench's arbiter until November 2026, kept for comparisons; no real chip is known).
+        SCAN: the chip reads the whole array at a fixed period (Samsung's chips, as in the
+            DVXplorer).
     """
 
     ROW_ARBITER = "row_arbiter"
