@@ -22,8 +22,7 @@ class MotionEstimate:
         hs: response of the horizontal system in [−1, 1]; positive is rightward.
         vs: response of the vertical system in [−1, 1]; positive is downward.
         direction: direction of the stronger system, or `NONE`.
-        strength: the larger of the magnitudes of `hs` and `vs`, in [0, 1]; also given if the
-            direction is `NONE`.
+        strength: the larger of |hs| and |vs|, in [0, 1]; also given if the direction is `NONE`.
         response: horizontal and vertical response before normalisation.
         view_centre_px: (x, y) of the point that the detector attends to [px], in continuous pixel
             coordinates: pixel i spans [i, i + 1).

@@ -23,6 +23,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
     "generated_pages",
+    "plain_docstrings",
     "public_names",
     "repository_links",
 ]
