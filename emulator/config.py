@@ -5,8 +5,8 @@ Brandli 2014 = Brandli et al., IEEE JSSC 49(10), 2014 (DAVIS240); Nozaki 2017 = 
 IEEE TED 64(8), 2017 (leak); Joubert 2021 = Joubert et al., Front. Neurosci. 15, 2021 (background
 activity recorded from 50×50 pixels, whose counts and intervals are published); Taverni 2018 =
 Taverni et al., IEEE TCAS-II 65(5), 2018 (DAVIS346); Graça 2021 = Graça, Delbruck, IISW 2021 (noise
-of the photoreceptor); cradle and lab = two clips of a DAVIS346, see docs/real-recordings.md; v2e =
-Hu, Liu, Delbruck, CVPRW 2021.
+of the photoreceptor); cradle and lab = two clips of a DAVIS346, see
+docs/explanation/real-recordings.md; v2e = Hu, Liu, Delbruck, CVPRW 2021.
 """
 
 from __future__ import annotations

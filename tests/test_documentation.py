@@ -1,4 +1,7 @@
-"""Every Python example in the documentation runs."""
+"""Every Python example in the documentation runs, and links between its files lead somewhere.
+
+The tutorials and how-to pages build on each other; the site runs them when it is built.
+"""
 
 import re
 import subprocess
@@ -8,28 +11,29 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = (
-    "docs/explanation/limits.md",
-    "docs/explanation/real-recordings.md",
-    "docs/explanation/realism.md",
-    "docs/explanation/calibration.md",
-    "README.md",
-    "sim/README.md",
-    "emulator/README.md",
-    "detector/README.md",
-    "formats/README.md",
-    "scenarios/README.md",
+READMES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *(ROOT / package / "README.md" for package in ("sim", "emulator", "detector", "formats")),
+    ROOT / "scenarios" / "README.md",
+]
+PAGES = sorted(
+    p for part in ("explanation", "reference") for p in (ROOT / "docs" / part).glob("*.md")
 )
-MORE_PAGES = ("docs/explanation/datasets.md",)
+TESTED_ELSEWHERE = {"datasets.md", "emulator-python.md"}
 """Pages whose examples run in tests of their own."""
 EXAMPLE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"\]\(([^)#:\s]+)(#[^)\s]+)?\)")
+HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 
 
 def examples() -> list[tuple[str, str]]:
     found = []
-    for page in PAGES:
-        text = (ROOT / page).read_text(encoding="utf-8")
-        found += [(f"{page}:{k}", code) for k, code in enumerate(EXAMPLE.findall(text))]
+    for page in READMES + PAGES:
+        if page.name not in TESTED_ELSEWHERE:
+            text = page.read_text(encoding="utf-8")
+            name = page.relative_to(ROOT).as_posix()
+            found += [(f"{name}:{k}", code) for k, code in enumerate(EXAMPLE.findall(text))]
     return found
 
 
@@ -48,9 +52,18 @@ def test_an_example_runs(code: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_the_pages_link_to_what_exists() -> None:
-    for page in PAGES + MORE_PAGES:
-        folder = (ROOT / page).parent
-        links = re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text(encoding="utf-8"))
-        missing = [link for link in links if not (folder / link).exists()]
-        assert missing == [], page
+def anchors(page: Path) -> set[str]:
+    """Return the anchors that GitHub and the site make from the headings of a page."""
+    titles = HEADING.findall(page.read_text(encoding="utf-8"))
+    plain = (re.sub(r"[^\w\- ]", "", title.lower()) for title in titles)
+    return {f"#{title.replace(' ', '-')}" for title in plain}
+
+
+@pytest.mark.parametrize("page", READMES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_a_readme_links_to_what_exists(page: Path) -> None:
+    """Sphinx checks the links of the site's own pages."""
+    for path, anchor in LINK.findall(page.read_text(encoding="utf-8")):
+        target = page.parent / path
+        assert target.exists(), path
+        if anchor and not path.endswith(".py"):
+            assert anchor in anchors(target), f"{path}{anchor}"

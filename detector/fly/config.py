@@ -335,5 +335,6 @@ wide: for image speeds of 60 to 1500 px/s. It differs from the paper preset in t
 
 robust: for real sensors: one to five events an edge, oblique edges, flickering light. It was found
 on drawn bars, boxes, discs and textures, and on three public recordings, which therefore do not
-judge it; detector/README.md gives each difference and its reason. Every value is assumed.
+judge it; docs/explanation/operating-range.md gives each difference and its reason. Every value is
+assumed.
 """

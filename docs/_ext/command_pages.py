@@ -11,6 +11,17 @@ import tyro
 from scenarios.cli import DESCRIPTION, Commands
 from scenarios.output.terminal import _with_shared_options
 
+DETAILS = {
+    "detect": "detect",
+    "convert": "convert",
+    "compare": "compare",
+    "emulate": "emulate",
+    "sweep": "sweep",
+    "denoise": "filters",
+    "view": "viewer",
+    "run": "outputs",
+}
+"""Page of the reference that says more about a command."""
 TITLES = {"positional arguments": "Arguments", "options": "Options"}
 
 
@@ -45,8 +56,14 @@ def _commands() -> dict[str, argparse.ArgumentParser]:
 
 
 def _page(name: str, parser: argparse.ArgumentParser) -> str:
-    parts = [f"# flybench {name}", _text(parser.description), f"```{{program}} flybench {name}\n```"]
+    parts = [
+        f"# flybench {name}",
+        _text(parser.description),
+        f"```{{program}} flybench {name}\n```",
+    ]
     parts += [f"```text\n{' '.join(['flybench', name, '[OPTIONS]', *_positional(parser)])}\n```"]
+    if name in DETAILS:
+        parts.append(f"More about it: [](../../{DETAILS[name]}.md).")
     for group in parser._action_groups:
         actions = [a for a in group._group_actions if "--help" not in a.option_strings]
         if actions:

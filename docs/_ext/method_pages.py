@@ -15,7 +15,10 @@ def method_pages() -> dict[str, str]:
 
 
 def _methods() -> str:
-    rows = ["| `--method` | name | kind | reads | class | study |", "| --- | --- | --- | --- | --- | --- |"]
+    rows = [
+        "| `--method` | name | kind | reads | class | study |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
     rows += [_method(entry) for entry in DETECTORS.values()]
     intro = (
         "The names that `--method`, `--methods` and `--also` accept, from the registry "
@@ -48,9 +51,13 @@ def _method(entry: DetectorEntry) -> str:
 
 def _sensors() -> str:
     intro = (
-        "The names that `--sensor` and `emulator.preset` accept. Each table lists what differs from "
-        "the default, `davis346`. [emulator/presets.py](../../../emulator/presets.py) gives the "
-        "source of each value, or says that it is assumed."
+        "The names that `--sensor` and `emulator.preset` accept. Each table lists what differs "
+        "from the default, `davis346`. [emulator/presets.py](../../../emulator/presets.py) gives "
+        "the source of each value, or says that it is assumed: above all, the pixels of the newer "
+        "chips are those of the DAVIS346 where no source gives their parameters.\n\n"
+        "All real chips have a 6 mm lens at f/1.4 (assumed), so that a run with another preset has "
+        "the field of view of that sensor. The emulator also returns frames for chips without an "
+        "APS; ignore them."
     )
     parts = ["# Sensors", intro]
     base = preset("davis346")

@@ -1,4 +1,4 @@
-"""Docstrings are plain text: signs that mean something to reStructuredText are shown as they are."""
+"""Docstrings are plain text: signs that reStructuredText would interpret are shown as they are."""
 
 import re
 from typing import Any

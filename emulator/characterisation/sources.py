@@ -16,7 +16,7 @@ _BRANDLI = "Brandli 2014, IEEE JSSC 49(10), DAVIS240"
 _JOUBERT = "Joubert 2021, Front. Neurosci. 15, 50×50 pixels"
 _MAKER = "iniVation, data sheet of the DAVIS346"
 _CODES = "the maker's bias codes of the DAVIS346, converted by `emulator.biases`"
-_CRADLE = "our analysis of a clip of a DAVIS346 (cradle, docs/real-recordings.md)"
+_CRADLE = "our analysis of a clip of a DAVIS346 (cradle, docs/explanation/real-recordings.md)"
 SETS_DEFAULT = "; our default is set from it"
 OTHER_SENSOR = "published for another sensor"
 

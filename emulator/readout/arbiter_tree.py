@@ -9,7 +9,7 @@ every line gets its turn.
 A recording of a DAVIS346 whose bus is busy all the time shows these rules. Of 19,844 visits to
 blocks of 2 to 32 columns that are aligned as in such a tree, 5830 served both halves one after the
 other, and 4 returned to the first half. If the blocks are shifted by half their size, only 1722 of
-23,953 visits serve both halves. The emulator's README names the recording.
+23,953 visits serve both halves. docs/explanation/readout.md names the recording.
 
 The nodes are numbered as in a heap: 1 is the root, 2n and 2n + 1 are the sides of node n, and line
 l is the leaf `leaves + l`. Level 0 are the leaves. A node that is being visited keeps its request.

@@ -26,7 +26,7 @@ class ReadoutKind(StrEnum):
         ROW_ARBITER: the pixels request, and a tree of arbiters grants one row after another
             (DVS128, DAVIS, Prophesee's chips).
         ROUND_ROBIN: the same bus, but the rows are granted in their order, each after the one above
-            it (flybench's arbiter until November 2026, kept for comparisons; no real chip is known).
+            it (flybench's arbiter until November 2026, for comparisons; no real chip is known).
         SCAN: the chip reads the whole array at a fixed period (Samsung's chips, as in the
             DVXplorer).
     """
@@ -51,8 +51,8 @@ class ReadoutConfig:
         kind: how the events are read out.
         lines: which lines of the image the arbiter chooses between. A scan does not use it. In a
             recording of a DAVIS346 at 4 Mev/s the order of the columns is that of a tree of
-            arbiters, and that of the rows is not (see the emulator's README). Its chip thus lies on
-            its side; the driver exchanges x and y if the camera says so (libcaer, "invertXY").
+            arbiters, and that of the rows is not (docs/explanation/readout.md). Its chip thus lies
+            on its side; the driver exchanges x and y if the camera says so (libcaer, "invertXY").
         limit_hz: words per second on the bus [Hz]: one word for each event, and `line_words` for
             each line that is read (the maker's documentation: about 12 million events per second).
             A scan does not use it.

@@ -55,8 +55,8 @@ class Detect:
         tyro.conf.arg(
             help="Recording to read, or the folder of a flybench run. The verdict is a direction "
             f"if at least {percent(LEAST_SHARE)} of the steps that name one name it (assumed), "
-            f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). scenarios/README.md "
-            "gives all its limits."
+            f"for at least {LEAST_SPAN_US // 1000} ms (Δt of the paper). The page "
+            "docs/reference/detect.md gives all its limits."
         ),
     ]
     method: MethodName = ROBUST

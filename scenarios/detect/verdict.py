@@ -21,7 +21,7 @@ LEAST_SHARE = 0.8
 
 STILL_SHARE = 0.01
 """Greatest share of steps with a direction if nothing moves: the fly names one in at most 0.5 % of
-the steps in noise (detector/README.md), and 1 % leaves a margin (assumed)."""
+the steps in noise (docs/explanation/no-motion.md), and 1 % leaves a margin (assumed)."""
 
 TOO_SHORT, STILL, CHANGES, UNCLEAR = (
     "too short to judge",

@@ -57,7 +57,7 @@ class EventCamera:
 
         Args:
             model: a `mujoco.MjModel` with at least one light that has an intensity, unless `light`
-                is given. sim/README.md describes what makes its luminance physical.
+                is given. docs/explanation/any-model.md describes what makes its luminance physical.
             camera: name of a camera of the model; its image gets the sensor's size.
             sensor: configuration of the sensor; None: a DAVIS346 with all its noise.
             seed: seed of everything random.

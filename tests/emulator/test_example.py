@@ -1,13 +1,11 @@
-"""The first example of the README runs in a process that cannot import the renderer."""
+"""The documented example of a sensor runs in a process that cannot import the renderer."""
 
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-import emulator
-
-PAGE = Path(emulator.__file__).parent / "README.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "emulator-python.md"
 EXAMPLE, *_ = re.findall(
     r"^```python\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE
 )

@@ -17,7 +17,7 @@ from scenarios.detect.verdict import RecordingVerdict, memory_us
 from scenarios.errors import MethodError
 from scenarios.pipeline.registry import DETECTORS
 
-README = Path(__file__).parents[3] / "scenarios" / "README.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "detect.md"
 WORDS = {"r": "right", "l": "left", "u": "up", "d": "down", ".": "none"}
 
 
@@ -123,8 +123,8 @@ def test_a_memory_that_is_no_time_is_refused(value: Any) -> None:
 
 
 def test_the_documentation_states_the_limits() -> None:
-    text = README.read_text(encoding="utf-8")
-    limits = text[text.index("### The verdict") : text.index("## Your own videos")]
+    text = PAGE.read_text(encoding="utf-8")
+    limits = text[text.index("## The verdict") :]
     for limit in (
         f"verdict | {verdict.LEAST_SHARE:.0%}".replace("%", " %"),
         f"moves | {verdict.STILL_SHARE:.0%}".replace("%", " %"),

@@ -1,4 +1,4 @@
-"""The example of a user's detector in detector/README.md."""
+"""The example of a user's detector in docs/reference/own-detector.md."""
 
 import json
 import re
@@ -12,10 +12,10 @@ from flybench.direction import CARDINAL
 from scenarios.envelope.measure import measure
 from scenarios.envelope.stimulus import Stimulus
 
-README = Path(__file__).parents[3] / "detector" / "README.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "own-detector.md"
 (EXAMPLE,) = re.findall(
     r"^```python\n((?:(?!^```).)*?class MedianDrift.*?)^```$",
-    README.read_text(encoding="utf-8"),
+    PAGE.read_text(encoding="utf-8"),
     re.DOTALL | re.MULTILINE,
 )
 METHOD = "my_detector:MedianDrift"
