@@ -8,6 +8,7 @@ from typing import Any
 
 from command_pages import command_pages
 from configuration_pages import configuration_pages
+from file_pages import file_pages
 from method_pages import method_pages
 from sphinx.application import Sphinx
 
@@ -17,7 +18,7 @@ FOLDER = Path("reference") / "generated"
 def write_pages(app: Sphinx) -> None:
     """Write the pages whose text has changed, and remove those that no longer exist."""
     folder = Path(app.srcdir) / FOLDER
-    pages = command_pages() | configuration_pages() | method_pages()
+    pages = command_pages() | configuration_pages() | method_pages() | file_pages()
     for old in folder.rglob("*.md"):
         if old.relative_to(folder).as_posix() not in pages:
             old.unlink()

@@ -40,23 +40,30 @@ class LinksToRepository(SphinxTransform):
         """Return the path in the repository, or None if the link leads elsewhere."""
         if node.get("reftype") != "myst":
             return None
-        target = node["reftarget"] + (".md" if node.get("refdomain") == "doc" else "")
-        page = Path(self.env.doc2path(self.env.docname))
-        path = (page.parent / target.partition("#")[0]).resolve()
-        docs = Path(self.env.srcdir)
-        outside = path.is_relative_to(ROOT) and not path.is_relative_to(docs)
-        if not target or not outside or not path.exists() or path == ROOT:
+        target, _, _ = node["reftarget"].partition("#")
+        target += ".md" if target and node.get("refdomain") == "doc" else ""
+        page, docs = Path(self.env.doc2path(self.env.docname)), Path(self.env.srcdir)
+        path = (page.parent / target).resolve()
+        if not target or not path.is_relative_to(ROOT):
             return None
-        return path.relative_to(ROOT)
+        if not path.exists() and (ROOT / target).exists():  # an included file of the repository
+            path = ROOT / target
+            if path.is_relative_to(docs) and path.suffix == ".md":
+                node["refdomain"], node["reftarget"] = "doc", self.env.path2doc(path)
+                node.setdefault("reftargetid", None)
+                return None
+        elif path.is_relative_to(docs):
+            return None
+        return path.relative_to(ROOT) if path.exists() else None
+
+
+def _uri(app: Sphinx, here: str, there: str) -> str:
+    return relative_uri(app.builder.get_target_uri(here), app.builder.get_target_uri(there))
 
 
 def page_of(path: str) -> str:
     """Return the name of the page that shows a file of the repository."""
     return f"source/{path}"
-
-
-def _uri(app: Sphinx, here: str, there: str) -> str:
-    return relative_uri(app.builder.get_target_uri(here), app.builder.get_target_uri(there))
 
 
 def resolve(app: Sphinx, doctree: nodes.document, docname: str) -> None:
