@@ -26,6 +26,7 @@ extensions = [
     "plain_docstrings",
     "public_names",
     "repository_links",
+    "unbroken_units",
 ]
 exclude_patterns = ["_build", "gallery", "**/.ipynb_checkpoints"]
 exclude_patterns += ["auto_gallery/*.ipynb", "sg_execution_times.rst"]  # by-products of the gallery
@@ -47,6 +48,7 @@ nb_execution_raise_on_error = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {name: name for name in ("Events", "F32", "F64", "npt.ArrayLike")}
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True

@@ -96,6 +96,7 @@ def _option(action: argparse.Action) -> str:
 def _text(help_text: str | None) -> str:
     """Return a help text as Markdown."""
     text = re.sub(r"\s+", " ", (help_text or "").replace("%%", "%")).strip()
+    text = re.sub(r"(?<![`\w-])--[a-z][\w.-]*\w", r"`\g<0>`", text)
     parts = text.split("`")  # the odd parts are code
     parts[::2] = [re.sub(r"([\\*<>$\[\]|_])", r"\\\1", part) for part in parts[::2]]
     return "`".join(parts)

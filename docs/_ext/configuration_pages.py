@@ -58,14 +58,14 @@ def _section(kind: type) -> str:
     """Return the table of one dataclass."""
     parsed = docstring_parser.parse(kind.__doc__ or "", docstring_parser.DocstringStyle.GOOGLE)
     meaning = {p.arg_name: p.description or "" for p in parsed.params}
-    rows = ["| parameter | default | meaning |", "| --- | --- | --- |"]
+    rows = ["| parameter, default | meaning |", "| --- | --- |"]
     ranges = _ranges(kind)
     for field in dataclasses.fields(kind):
         default = shown(_default(field))
         text = as_cell(meaning.get(field.name, ""))
         if field.name in ranges:
             text += f" Allowed: {_allowed(ranges[field.name])}."
-        rows.append(f"| `{field.name}` | {default} | {text[:1].upper() + text[1:]} |")
+        rows.append(f"| `{field.name}`<br>{default} | {text[:1].upper() + text[1:]} |")
     heading = f"## {kind.__name__}\n\n{as_cell(parsed.short_description or '')}"
     return heading + "\n\n" + "\n".join(rows)
 
