@@ -22,6 +22,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "checked_links",
     "generated_pages",
     "plain_docstrings",
     "public_names",

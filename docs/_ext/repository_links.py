@@ -133,4 +133,4 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_transform(LinksToRepository)
     app.connect("doctree-resolved", resolve)
     app.connect("html-collect-pages", source_pages)
-    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": False}
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
