@@ -31,7 +31,7 @@ bench: setup
 # The documentation site, in docs/_build/html. A warning, such as a broken link, fails the build.
 docs: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,docs]'
-	$(BIN)/python -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going --quiet -j 2 -b html docs docs/_build/html
 	@echo "Open docs/_build/html/index.html."
 
 setup: $(READY)
