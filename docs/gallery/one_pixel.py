@@ -28,7 +28,7 @@ events = np.concatenate(
 
 figure, axes = plt.subplots(figsize=(7, 3), layout="constrained")
 axes.plot(t_us / 1000, luminance, color="0.5")
-for polarity, colour, name in ((True, "tab:orange", "ON"), (False, "tab:blue", "OFF")):
+for polarity, colour, name in ((True, "#0072b2", "ON"), (False, "#d55e00", "OFF")):
     times = events["t"][events["p"] == polarity]
     axes.plot(times / 1000, np.interp(times, t_us, luminance), "o", color=colour, label=name)
 axes.set(xlabel="time [ms]", ylabel="luminance [cd/m²]")
