@@ -85,7 +85,7 @@ def shown(value: Any) -> str:
     if isinstance(value, bool) or value is None:
         return {True: "true", False: "false", None: "none"}[value]
     if isinstance(value, float):
-        return f"{value:,g}" if abs(value) < 1e6 else f"{value:.3g}"
+        return f"{value:,.0f}" if 1e6 <= abs(value) < 1e10 else f"{value:,g}"
     if isinstance(value, tuple):
         return ", ".join(shown(part) for part in value) or "none"
     return f"{value:,}" if isinstance(value, int) else f"`{value}`"
