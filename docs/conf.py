@@ -38,7 +38,8 @@ default_role = "py:obj"  # `names` in docstrings become links where they can
 linkcheck_ignore = [r"http://(localhost|127\.0\.0\.1)"]
 
 # Markdown
-myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath", "tasklist"]
+myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions += ["tasklist"]
 myst_heading_anchors = 4
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS / "_build" / "notebooks")
