@@ -12,6 +12,7 @@ of one estimate: time surfaces, local motion, saliency and attended region, and 
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import PowerNorm
 
 from flybench import Crossing, CrossingConfig, EventSensor, FlyDetector
 from scenarios.output.colours import OFF, ON
@@ -27,8 +28,9 @@ maps, cell = fly.maps, fly.maps.cell_px
 print(f"{estimates[-1].direction}, with a strength of {estimates[-1].strength:.2f}")
 
 # %%
-# The car drives to the right, so that the map of motion to the right has the largest values. The
-# response is summed over the attended region only: the outline around the cross, the view centre.
+# The car drives to the right, so that the map of motion to the right has the largest values
+# (their colours follow the square root). The response is summed over the attended region only:
+# the outline around the cross, the view centre.
 
 figure, panels = plt.subplots(3, 3, figsize=(11, 8), layout="constrained")
 (event_panel, on, off), (right, left, up), (down, attention, response) = panels
@@ -45,7 +47,7 @@ figure.colorbar(shown, ax=[on, off], shrink=0.7, label="averaged surface")
 for axes, plane, name in zip(
     (right, left, up, down), maps.motion, ("right", "left", "up", "down"), strict=True
 ):
-    shown = axes.imshow(plane, cmap="magma", vmin=0, vmax=maps.motion.max())
+    shown = axes.imshow(plane, cmap="magma", norm=PowerNorm(0.5, 0, maps.motion.max()))
     axes.set_title(f"T4 + T5, {name} (eq. 9)")
 figure.colorbar(shown, ax=[left, up], shrink=0.7, label="correlation")
 attention.imshow(maps.saliency, cmap="gray_r")
@@ -58,7 +60,7 @@ response.plot(times_ms, [e.hs for e in estimates], color="#0072B2", label="HS (r
 response.plot(times_ms, [e.vs for e in estimates], "--", color="#D55E00", label="VS (down)")
 response.set(xlim=(-200, 0), xlabel="time before this estimate [ms]")
 response.set_title("response (eq. 17 to 19)")
-response.legend(loc="center left", fontsize=8)
+response.legend(loc="center right", fontsize=8)
 for axes in panels.flat[:-1]:
     axes.set(xticks=[], yticks=[])
 plt.show()
