@@ -41,7 +41,7 @@ def name_of(page: Path) -> str:
 
 def commands(page: Path) -> Iterator[list[str]]:
     """Yield the arguments of every `flybench` command of a page, in blocks and in the text."""
-    text = page.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
     lines = [line for block in SHELL.findall(text) for line in block.splitlines()]
     for line in lines + [found.replace("\n", " ") for found in INLINE.findall(text)]:
         words = shlex.split(line, comments=True)
