@@ -12,7 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import flybench
-from scenarios.output.colours import OFF, ON, hex_of
 
 sensor = flybench.EventSensor(replace(flybench.preset("davis346"), width=1, height=1), seed=0)
 t_us = np.arange(0, 400_000, 1000)
@@ -29,10 +28,8 @@ events = np.concatenate(
 
 figure, axes = plt.subplots(figsize=(7, 3), layout="constrained")
 axes.plot(t_us / 1000, luminance, color="0.5")
-for polarity, colour, name in ((True, ON, "ON"), (False, OFF, "OFF")):
+for polarity, colour, name in ((True, "#0072b2", "ON"), (False, "#d55e00", "OFF")):
     times = events["t"][events["p"] == polarity]
-    axes.plot(
-        times / 1000, np.interp(times, t_us, luminance), "o", color=hex_of(colour), label=name
-    )
+    axes.plot(times / 1000, np.interp(times, t_us, luminance), "o", color=colour, label=name)
 axes.set(xlabel="time [ms]", ylabel="luminance [cd/m²]")
 axes.legend()
