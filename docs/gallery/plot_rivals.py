@@ -38,7 +38,7 @@ def run(name, outputs):
 
 
 for name in DETECTORS:
-    run(name, outputs[-60:])  # a first run compiles the method
+    run(name, outputs[-30:])  # a first run compiles the method
     estimates[name], cost_ms[name] = run(name, outputs)
 
 # %%
