@@ -8,8 +8,8 @@ from typing import Any
 
 import tyro
 
-from scenarios.cli import DESCRIPTION, Commands
-from scenarios.output.terminal import _with_shared_options
+from scenarios.cli import COMMANDS, command_class
+from scenarios.output.terminal import arguments_of
 
 DETAILS = {
     "detect": "detect",
@@ -27,7 +27,7 @@ TITLES = {"positional arguments": "Arguments", "options": "Options"}
 
 def command_pages() -> dict[str, str]:
     """Return the text of each page by its file name."""
-    commands = _commands()
+    commands = {name: _parser(name) for name in COMMANDS}
     pages = {f"commands/{name}.md": _page(name, parser) for name, parser in commands.items()}
     rows = [f"| [`flybench {n}`]({n}.md) | {_text(p.description)} |" for n, p in commands.items()]
     table = "\n".join(["| command | what it does |", "| --- | --- |", *rows])
@@ -39,20 +39,16 @@ def command_pages() -> dict[str, str]:
     return pages
 
 
-def _commands() -> dict[str, argparse.ArgumentParser]:
-    """Return the parser of each command."""
+def _parser(name: str) -> argparse.ArgumentParser:
+    command = command_class(name)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
-        parser = tyro.extras.get_parser(
-            _with_shared_options(Commands),
-            prog="flybench",
-            description=DESCRIPTION,
+        return tyro.extras.get_parser(
+            arguments_of(command),
+            prog=f"flybench {name}",
+            description=command.__doc__,
             config=(tyro.conf.CascadeSubcommandArgs,),
         )
-    choices: dict[str, argparse.ArgumentParser] = next(
-        action.choices for action in parser._actions if isinstance(action.choices, dict)
-    )
-    return choices
 
 
 def _page(name: str, parser: argparse.ArgumentParser) -> str:

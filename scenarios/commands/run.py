@@ -130,7 +130,7 @@ class Run:
     keyframe_px: float = CrossingConfig.keyframe_px
     """Largest motion of an object in the image between two rendered keyframes, 1 to 128 [px]."""
     quality: Literal["full", "draft"] = "full"
-    """A draft takes about half the time: samples are 1.6 times and keyframes twice as far apart."""
+    """A draft takes a quarter (day) to two fifths (night) less time, for a first look."""
     recording: bool = True
     """Write the Rerun recording; --no-recording saves most of the folder's size and some time."""
     event_labels: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

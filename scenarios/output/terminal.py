@@ -64,7 +64,7 @@ def run_cli(
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         parsed = tyro.cli(
-            _with_shared_options(grouped(command)),
+            arguments_of(command),
             prog=prog,
             args=words,
             description=description or command.__doc__,
@@ -96,11 +96,11 @@ def _flushed(status: Any) -> Any:
     return status
 
 
-def _with_shared_options(command: Any) -> Any:
-    """Return a class whose arguments are a command, and the options that all commands share."""
+def arguments_of(command: Any) -> Any:
+    """Return the class that is parsed: the command, grouped, and the options of all commands."""
     shared = tyro.conf.OmitArgPrefixes[SharedOptions]
     arguments: list[tuple[str, Any, Any]] = [
-        ("command", Annotated[command, tyro.conf.arg(name="")], field()),
+        ("command", Annotated[grouped(command), tyro.conf.arg(name="")], field()),
         (
             "shared",
             Annotated[shared, tyro.conf.arg(name="general")],
