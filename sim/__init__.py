@@ -5,7 +5,7 @@
 
 from flybench.direction import Direction
 from sim.cache.luminance_cache import LuminanceCache
-from sim.config import CrossingConfig, Lighting, omega_from_speed
+from sim.config import CrossingConfig, Lighting, Quality, omega_from_speed
 from sim.crossing import Crossing, Sample
 from sim.distractors import Distractors, Pavement, RelativeDirection, VehicleKind
 from sim.errors import RendererError, SceneConfigError, SimError
@@ -39,6 +39,7 @@ __all__ = [
     "Pose",
     "Preview",
     "Profile",
+    "Quality",
     "RelativeDirection",
     "RendererError",
     "Sample",
