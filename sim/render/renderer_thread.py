@@ -6,8 +6,12 @@ does everything in the order in which it was asked to.
 
 from __future__ import annotations
 
+import sys
+import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
+from functools import partial
+from queue import SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
 import mujoco
@@ -17,10 +21,15 @@ from sim.render.filament import FilamentRenderer
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Calls = SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None]
+"""What the thread is asked to call, and where the result goes; None ends it."""
 
 
 class RendererThread:
     """A thread that owns a renderer. Use as a context manager.
+
+    The garbage collector may end the context, in any thread: of an iterator over samples, for
+    example, that nobody uses any more. A `ThreadPoolExecutor` would then have lost its thread.
 
     Attributes:
         renderer: the renderer, to be used by functions that are passed to `submit` only.
@@ -36,12 +45,16 @@ class RendererThread:
         Raises:
             RendererError: this machine has no Vulkan device.
         """
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="renderer")
+        self._calls: Calls = SimpleQueue()
         self._asked: list[Future[Any]] = []
+        self._thread = threading.Thread(
+            target=_work, args=(self._calls,), name="renderer", daemon=True
+        )
+        self._thread.start()
         try:
-            self.renderer = self._thread.submit(FilamentRenderer, model, lens).result()
+            self.renderer = self.submit(FilamentRenderer, model, lens).result()
         except BaseException:
-            self._thread.shutdown()
+            self._end()
             raise
 
     def __enter__(self) -> RendererThread:
@@ -50,8 +63,16 @@ class RendererThread:
     def __exit__(self, *_: object) -> None:
         for asked in self._asked:
             asked.cancel()
-        self._thread.submit(self.renderer.close).result()
-        self._thread.shutdown()
+        if threading.current_thread() is self._thread:
+            self.renderer.close()
+            self._calls.put(None)
+        elif not sys.is_finalizing():  # at the end of Python, the thread no longer runs
+            self.submit(self.renderer.close).result()
+            self._end()
+
+    def _end(self) -> None:
+        self._calls.put(None)
+        self._thread.join()
 
     def submit(self, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> Future[R]:
         """Call a function in the thread, after everything that was submitted before.
@@ -60,6 +81,19 @@ class RendererThread:
             Its result, or what it raises, to be waited for. It is cancelled if the context ends
             before the function is called.
         """
-        asked = self._thread.submit(function, *args, **kwargs)
+        asked: Future[R] = Future()
+        self._calls.put((asked, partial(function, *args, **kwargs)))
         self._asked = [*(other for other in self._asked if not other.done()), asked]
         return asked
+
+
+def _work(calls: Calls) -> None:
+    """Make the calls in turn. The thread refers to nothing else, so that it is never garbage."""
+    while (call := calls.get()) is not None:
+        asked, function = call
+        if asked.set_running_or_notify_cancel():
+            try:
+                asked.set_result(function())
+            except BaseException as error:
+                asked.set_exception(error)
+        del call, asked, function  # a waiting thread keeps no results alive

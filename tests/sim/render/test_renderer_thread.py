@@ -1,7 +1,9 @@
 """The renderer's thread: order, errors, and what happens at its end."""
 
+import gc
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from typing import ClassVar
 
@@ -89,3 +91,33 @@ def test_a_renderer_that_cannot_be_made_leaves_no_thread(monkeypatch: pytest.Mon
     with pytest.raises(RendererError, match="no device"):
         RendererThread(mujoco.MjModel.from_xml_string(MODEL), LENS)
     assert threading.active_count() == before
+
+
+def forgotten(thread: RendererThread) -> None:
+    """Leave an open context to the garbage collector, in a reference cycle."""
+
+    def opened() -> Iterator[RendererThread]:
+        with thread:
+            yield thread
+
+    iterator = opened()
+    next(iterator)
+    cycle: list[object] = [iterator]
+    cycle.append(cycle)
+
+
+def test_the_garbage_collector_may_end_the_context(thread: RendererThread) -> None:
+    forgotten(thread)
+    del thread
+    collector = threading.Thread(target=gc.collect, daemon=True)
+    collector.start()
+    collector.join(timeout=20)
+    assert not collector.is_alive()
+
+
+def test_the_garbage_collector_may_end_the_context_in_the_thread_itself(
+    thread: RendererThread,
+) -> None:
+    forgotten(thread)
+    thread.submit(gc.collect).result(timeout=20)
+    assert FakeRenderer.threads[0] is FakeRenderer.threads[1]
