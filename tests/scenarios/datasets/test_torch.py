@@ -11,7 +11,7 @@ import pytest
 
 from scenarios.datasets.slicing import read_events
 
-PAGE = Path(__file__).parents[3] / "docs" / "datasets.md"
+PAGE = Path(__file__).parents[3] / "docs" / "explanation" / "datasets.md"
 
 
 def test_the_documented_loader_runs(root: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from scenarios.validate.manifest import PACKAGED, Window, read_manifest
 from tests.scenarios.validate.made_recordings import entry, write_manifest
 
 SHA = "0" * 64
-DOCUMENTATION = Path(__file__).parents[3] / "docs" / "real-recordings.md"
+DOCUMENTATION = Path(__file__).parents[3] / "docs" / "explanation" / "real-recordings.md"
 
 
 def test_a_manifest_holds_recordings_and_windows(tmp_path: Path) -> None:
