@@ -9,10 +9,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from flybench.sources import PACKAGES
 from flybench.version import __version__
 
-PACKAGES = ("sim", "emulator", "detector", "formats", "scenarios")
-"""Our packages, besides flybench itself."""
 _FOLDERS: list[str] = []
 """Temporary folders to remove at the end."""
 

@@ -9,6 +9,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 """The folder that holds all packages of flybench."""
+PACKAGES = ("sim", "emulator", "detector", "formats", "scenarios")
+"""Our packages, besides flybench itself."""
 
 LUMINANCE_SOURCES = ("flybench", "sim")
 """Sources that determine rendered luminance."""

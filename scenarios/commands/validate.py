@@ -45,8 +45,7 @@ class Validate:
             metavar="MANIFEST.toml", help_behavior_hint="(default: three public recordings)"
         ),
     ] = None
-    """List of recordings with their true directions; the documentation gives its format, in
-    docs/explanation/real-recordings.md."""
+    """List of recordings with true directions; see docs/explanation/real-recordings.md."""
     method: Annotated[
         tuple[str, ...],
         tyro.conf.arg(

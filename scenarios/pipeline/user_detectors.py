@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 from detector import Detector
 from detector.denoise import FILTERS, filtered
-from flybench.__main__ import PACKAGES
 from flybench.memory import MemoryBudgetError
+from flybench.sources import PACKAGES
 from scenarios.errors import MethodError, describe, is_interrupt
 from scenarios.pipeline.registry import DETECTORS, DetectorEntry
 
