@@ -18,10 +18,9 @@ import numpy.typing as npt
 from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, rectangle_around
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NO_LABEL, label_bounds, rasterise
+from sim.raster.scan_conversion import NO_LABEL, label_bounds, rasterise, transform_points
 from sim.raster.shared_corners import (
     SharedCorners,
-    move_corners,
     project_faces,
     share_corners,
 )
@@ -104,7 +103,7 @@ class MoverRaster:
         """
         shared, size = self._shared, self.supersample
         views = compose_transforms(poses, self.pose.world_to_camera)
-        in_camera = move_corners(shared.corners_m, shared.body, views)
+        in_camera = transform_points(shared.corners_m, shared.body, views)
         centre = self.lens.width * size / 2, self.lens.height * size / 2
         projected, source = project_faces(
             in_camera, shared.faces, self.lens.focal_px * size, *centre, NEAR_M

@@ -195,29 +195,28 @@ def mark_covered(
 
 
 @compiled
-def transform_triangles(triangles: F64, body: I32, transforms: F64) -> F64:
-    """Apply to each triangle the rigid transform of its body.
+def transform_points(points: F64, body: I32, transforms: F64) -> F64:
+    """Apply to each point the rigid transform of its body.
 
     Args:
-        triangles: (n, 3, 3) in their bodies' frames [m].
-        body: (n,) number of the body that each triangle belongs to.
+        points: (n, 3) in their bodies' frames [m].
+        body: (n,) number of the body that each point belongs to.
         transforms: (bodies, 3, 4) rotation and translation of each body.
 
     Returns:
-        (n, 3, 3) transformed triangles.
+        (n, 3) transformed points.
     """
-    out = np.empty_like(triangles)
-    for t in range(len(triangles)):
-        b = body[t]
-        for i in range(3):
-            x, y, z = triangles[t, i, 0], triangles[t, i, 1], triangles[t, i, 2]
-            for axis in range(3):
-                out[t, i, axis] = (
-                    transforms[b, axis, 0] * x
-                    + transforms[b, axis, 1] * y
-                    + transforms[b, axis, 2] * z
-                    + transforms[b, axis, 3]
-                )
+    out = np.empty_like(points)
+    for k in range(len(points)):
+        b = body[k]
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        for axis in range(3):
+            out[k, axis] = (
+                transforms[b, axis, 0] * x
+                + transforms[b, axis, 1] * y
+                + transforms[b, axis, 2] * z
+                + transforms[b, axis, 3]
+            )
     return out
 
 

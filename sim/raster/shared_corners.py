@@ -42,32 +42,6 @@ def share_corners(soup: TriangleSoup) -> SharedCorners:
 
 
 @compiled
-def move_corners(corners: F64, body: I32, transforms: F64) -> F64:
-    """Apply to each corner the rigid transform of its body.
-
-    Args:
-        corners: (n, 3) in their bodies' frames [m].
-        body: (n,) number of the body that each corner belongs to.
-        transforms: (bodies, 3, 4) rotation and translation of each body.
-
-    Returns:
-        (n, 3) transformed corners.
-    """
-    out = np.empty_like(corners)
-    for k in range(len(corners)):
-        b = body[k]
-        x, y, z = corners[k, 0], corners[k, 1], corners[k, 2]
-        for axis in range(3):
-            out[k, axis] = (
-                transforms[b, axis, 0] * x
-                + transforms[b, axis, 1] * y
-                + transforms[b, axis, 2] * z
-                + transforms[b, axis, 3]
-            )
-    return out
-
-
-@compiled
 def project_faces(
     corners: F64, faces: I32, focal: float, centre_x: float, centre_y: float, near: float
 ) -> tuple[F64, I32]:

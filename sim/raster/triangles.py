@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from sim.raster.height_field import height_field_triangles
 from sim.raster.rendered import rendered
-from sim.raster.scan_conversion import transform_triangles
+from sim.raster.scan_conversion import transform_points
 
 INFINITE_PLANE_HALF_SIDE_M = 100.0
 """Half side of the square that the renderer renders for a plane without a size [m] (measured)."""
@@ -49,7 +49,8 @@ class TriangleSoup:
 
     def transformed(self, transforms: F64) -> Triangles:
         """Return the triangles after the transforms of their bodies, (bodies, 3, 4)."""
-        return np.asarray(transform_triangles(self.triangles_m, self.body, transforms))
+        points, body = self.triangles_m.reshape(-1, 3), np.repeat(self.body, 3)
+        return np.asarray(transform_points(points, body, transforms)).reshape(-1, 3, 3)
 
 
 def triangle_soup(model: mujoco.MjModel, *, complete: bool = False) -> TriangleSoup:

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from flybench.kernels import compiled
 from sim.geometry.rigid_transform import axes_along, compose_transforms, world_to_frame
-from sim.raster.scan_conversion import rasterise
-from sim.raster.shared_corners import SharedCorners, move_corners, project_faces
+from sim.raster.scan_conversion import rasterise, transform_points
+from sim.raster.shared_corners import SharedCorners, project_faces
 from sim.scene.moving_objects import MovingObject
 
 F32 = npt.NDArray[np.float32]
@@ -100,7 +100,7 @@ def render_shadow_map(
         return None
     origin_m = data.xpos[obj.root] if source.is_sun else source.position_m
     to_light = world_to_frame(source.axes, origin_m)
-    corners = move_corners(caster.corners_m, caster.body, compose_transforms(poses, to_light))
+    corners = transform_points(caster.corners_m, caster.body, compose_transforms(poses, to_light))
     texel, left, top, rows, columns = _rasterise_map(corners, caster.faces, source.is_sun, out)
     if not rows:
         return None

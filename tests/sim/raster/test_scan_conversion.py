@@ -10,7 +10,7 @@ from sim.raster.scan_conversion import (
     label_bounds,
     project_triangles,
     rasterise,
-    transform_triangles,
+    transform_points,
 )
 
 F32 = npt.NDArray[np.float32]
@@ -145,15 +145,14 @@ def test_a_rectangle_is_rasterised_as_in_the_whole_image() -> None:
     np.testing.assert_array_equal(part_label, label[5:29, 7:31])
 
 
-def test_each_triangle_gets_the_transform_of_its_body() -> None:
+def test_each_point_gets_the_transform_of_its_body() -> None:
     random = np.random.default_rng(1)
-    triangles, transforms = random.normal(size=(9, 3, 3)), random.normal(size=(4, 3, 4))
+    points, transforms = random.normal(size=(9, 3)), random.normal(size=(4, 3, 4))
     body = random.integers(4, size=9).astype(np.int32)
     wanted = [
-        t @ transforms[b, :, :3].T + transforms[b, :, 3]
-        for t, b in zip(triangles, body, strict=True)
+        transforms[b, :, :3] @ p + transforms[b, :, 3] for p, b in zip(points, body, strict=True)
     ]
-    np.testing.assert_allclose(transform_triangles(triangles, body, transforms), wanted)
+    np.testing.assert_allclose(transform_points(points, body, transforms), wanted)
 
 
 def test_bounds_are_those_of_the_triangles_with_the_label() -> None:
