@@ -72,14 +72,17 @@ def slowest_first(rows: Sequence[Row]) -> list[str]:
 
 
 def format_interval(interval: Interval | None, unit: str = "", *, digits: int = 3) -> str:
-    """Format a mean and its 95 % interval; the unit "%" turns a share into a percentage."""
+    """Format a mean and its 95 % interval, unless this is one number in so many digits.
+
+    The unit "%" turns a share into a percentage.
+    """
     if interval is None:
         return "no value"
     mean, low, high = (
         _scaled(v, unit, digits) for v in (interval.mean, interval.low, interval.high)
     )
     space = " " if unit else ""
-    if interval.number == 1:
+    if interval.number == 1 or low == high:
         return f"{mean}{space}{unit}"
     return f"{mean}{space}{unit} ({low} to {high})"
 
