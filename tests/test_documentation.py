@@ -24,6 +24,11 @@ TESTED_ELSEWHERE = {"datasets.md", "emulator-python.md"}
 """Pages whose examples run in tests of their own."""
 EXAMPLE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#:\s]+)(#[^)\s]+)?\)")
+FILE = re.compile(
+    r"`((?:tests|tools|sim|emulator|detector|formats|scenarios|flybench|examples|docs)/[\w/.-]+)`"
+)
+BUILT = ("docs/_build", "docs/auto_gallery")
+"""What `make docs` makes."""
 HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 
 
@@ -67,3 +72,11 @@ def test_a_readme_links_to_what_exists(page: Path) -> None:
         assert target.exists(), path
         if anchor and not path.endswith(".py"):
             assert anchor in anchors(target), f"{path}{anchor}"
+
+
+def test_files_that_the_pages_name_exist() -> None:
+    pages = READMES + sorted((ROOT / "docs").glob("*/*.md"))
+    named = {file for page in pages for file in FILE.findall(page.read_text(encoding="utf-8"))}
+    assert len(named) > 20
+    real = {file for file in named if "NAME" not in file and not file.startswith(BUILT)}
+    assert {file for file in real if not (ROOT / file).exists()} == set()
