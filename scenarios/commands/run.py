@@ -78,9 +78,7 @@ class Run:
     """Angular velocity of the vehicle at closest approach, 0.05 to 10 [rad/s]."""
     speed_km_h: Annotated[
         float | None,
-        tyro.conf.arg(
-            metavar="KM_H", aliases=("--speed-kmh",), help_behavior_hint="(default: see --omega)"
-        ),
+        tyro.conf.arg(metavar="KM_H", help_behavior_hint="(default: see --omega)"),
     ] = None
     """Speed of the vehicle [km/h]; use it instead of --omega."""
     direction: Literal["right", "left", "up", "down"] = "right"
