@@ -13,9 +13,11 @@ study: setup
 demo: setup
 	$(BIN)/flybench demo
 
-# One process per core, at most four: each may need a renderer and 1 GB of memory.
+# One process per core, at most four: each may need a renderer and 1 GB of memory. A process that
+# crashes ends the tests, which would otherwise wait for it for ever.
 test: setup
-	$(BIN)/python -m pytest --numprocesses logical --maxprocesses 4 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses logical --maxprocesses 4 --dist loadfile \
+	    --max-worker-restart 0
 
 lint: setup
 	$(BIN)/ruff check .

@@ -9,6 +9,7 @@ show in the whole image.
 from __future__ import annotations
 
 import os
+import weakref
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -24,6 +25,7 @@ from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
 from sim.geometry.rectangles import Rectangle, image_rectangle
 from sim.raster.aperture import BLUR_REACH_PX, to_pixels
 from sim.render.draw_order import DrawOrder
+from sim.render.entities import reserve_entities
 from sim.render.free_memory import return_free_memory
 from sim.render.illumination import Illumination
 from sim.render.luminance_model import has_linear_colours
@@ -75,10 +77,12 @@ class FilamentRenderer:
             illumination: light that replaces the model's lights and rendering options; None: these.
 
         Raises:
-            RendererError: this machine has no Vulkan device.
+            RendererError: this machine has no Vulkan device, or too many renderers are open.
         """
         software = require_vulkan()
         self.intrinsics = intrinsics
+        self._entities = reserve_entities(model)
+        weakref.finalize(self, self._entities.release)
         with suppress_output():
             self._context = mjrf.Context(_context_config(software))
         self._context.set_clear_color([0.0, 0.0, 0.0])
@@ -117,6 +121,7 @@ class FilamentRenderer:
                 "_context",
             ):
                 setattr(self, name, None)
+        self._entities.release()
         return_free_memory()
 
     def update(self, data: mujoco.MjData) -> None:
@@ -231,6 +236,7 @@ class FilamentRenderer:
             self._context.wait_for_frame(self._context.render(requests, [read]))
         except RuntimeError as error:
             raise RendererError(_DEVICE_LOST) from error
+        self._entities.note_image()
         if not is_colour and np.isnan(image[0, 0]):
             raise RendererError(_DEVICE_LOST)
         return image
