@@ -25,8 +25,8 @@ _EVERY_S, _EVERY_SHARE = 10.0, 0.1
 class Advance(Protocol):
     """Function that reports the progress of one sequence."""
 
-    def __call__(self, done: int, total: int, phase: str = "") -> None:
-        """Set the amount done, the total (0 if it is unknown), and the phase or another note."""
+    def __call__(self, done: int, total: int, phase: str = "", note: str = "") -> None:
+        """Set the amount done, the total (0 if it is unknown), the phase, and a note beside it."""
         ...
 
 
@@ -77,9 +77,9 @@ class _Phases:
     def __init__(self, name: str) -> None:
         self._name, self._last = name, ""
 
-    def label(self, phase: str) -> str:
-        """Return the name of the sequence, with its phase."""
-        return printable(f"{self._name}: {phase}" if phase else self._name)
+    def label(self, phase: str, note: str = "") -> str:
+        """Return the name of the sequence, with its phase and a note."""
+        return printable(": ".join(filter(None, [self._name, phase, note])))
 
     def begins(self, phase: str) -> bool:
         """Return True if this phase is another one than before, and log it."""
@@ -101,10 +101,10 @@ class _Bars:
         phases = _Phases(name)
         task = self._progress.add_task(phases.label(""), total=None)
 
-        def advance(done: int, total: int, phase: str = "") -> None:
+        def advance(done: int, total: int, phase: str = "", note: str = "") -> None:
             phases.begins(phase)
             self._progress.update(
-                task, completed=done, total=total or None, description=phases.label(phase)
+                task, completed=done, total=total or None, description=phases.label(phase, note)
             )
 
         return advance
@@ -120,10 +120,10 @@ class _Lines:
         phases, start_s = _Phases(name), time.perf_counter()
         last_s, last_share, ended = start_s, 0.0, False
 
-        def advance(done: int, total: int, phase: str = "") -> None:
+        def advance(done: int, total: int, phase: str = "", note: str = "") -> None:
             nonlocal last_s, last_share, ended
             now_s, share = time.perf_counter(), done / total if total else 0.0
-            begins, label = phases.begins(phase), phases.label(phase)
+            begins, label = phases.begins(phase), phases.label(phase, note)
             ended = ended and not begins
             if share >= 1 and not ended:
                 self._write(f"{label}: done after {_clock(now_s - start_s)}")

@@ -74,7 +74,7 @@ def estimated_bytes(config: RunConfig) -> int:
 def record_run(
     config: RunConfig,
     folder: Path,
-    progress: Advance = lambda _done, _all, _phase="": None,
+    progress: Advance = lambda _done, _all, _phase="", _note="": None,
     *,
     cache: LuminanceCache | None = None,
     also: Sequence[str] = (),

@@ -70,7 +70,7 @@ class Dataset:
                 folder,
                 run,
                 use_all_cores=self.jobs == 1,
-                progress=lambda done, total, size: advance(done, total, megabytes(size)),
+                progress=lambda done, total, size: advance(done, total, note=megabytes(size)),
             )
         print_result(result, folder)
         return 0

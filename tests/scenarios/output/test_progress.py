@@ -43,6 +43,20 @@ def test_elsewhere_a_long_phase_has_a_line_for_each_tenth(
     assert len(lines) == 4
 
 
+def test_elsewhere_a_note_that_changes_begins_no_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = iter(range(1000))
+    monkeypatch.setattr(time, "perf_counter", lambda: float(next(now_s)))
+    with progress_bar() as bars:
+        advance = bars.track("dataset")
+        for done in range(1, 51):
+            advance(done, 100, note=f"{done} MB")
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "flybench: dataset: 10 MB: 10 % after 0:10"
+    assert len(lines) == 4
+
+
 def test_a_name_from_a_file_cannot_command_the_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
