@@ -12,15 +12,15 @@ from operator import or_
 from pathlib import Path
 from typing import Annotated, Any
 
+from rich.table import Table
+from rich.text import Text
 from tyro.conf import subcommand
 
 from flybench.version import __version__
+from scenarios.output.streams import SafeConsole, prepare_streams, say
 from scenarios.output.terminal import run_cli
 
-DESCRIPTION = f"""\
-Test bench for event-camera motion detectors, version {__version__}.
-
-flybench COMMAND --help explains a command. flybench --version prints the version."""
+DESCRIPTION = f"Test bench for event-camera motion detectors, version {__version__}."
 
 COMMANDS = {
     "run": "run:Run",
@@ -46,21 +46,45 @@ COMMANDS = {
 """Module and class of each command in `scenarios.commands`. Only that of the chosen command is
 imported, because all of them together take 3 s of CPU."""
 
+GROUPS = {
+    "Simulate crossings": "run demo study sweep velocity-sweep dataset",
+    "Use recordings and videos": "detect validate compare convert emulate",
+    "Measure detectors and sensors": "envelope denoise characterise calibrate converge",
+    "Look": "view video doctor",
+}
+"""All commands, by what they are for, as the help lists them."""
+
 _FOLDER = Path(__file__).parent / "commands"
 
 
 def main() -> None:
     """Run `flybench`."""
     first = sys.argv[1] if len(sys.argv) > 1 else "--help"
+    if first in ("-h", "--help"):
+        print_help()
+        return
     if first in COMMANDS:
         run_cli(command_class(first), prog=f"flybench {first}", arguments=sys.argv[2:])
-    is_option = first.startswith("-") and first not in ("-h", "--help")
     run_cli(
-        _union(command_class if is_option else _outline),  # an option may come before the command
+        _union(command_class if first.startswith("-") else _outline),  # options may come first
         prog="flybench",
         description=DESCRIPTION,
-        arguments=sys.argv[1:] or ["--help"],
     )
+
+
+def print_help() -> None:
+    """Print all commands with their descriptions."""
+    prepare_streams()
+    console = SafeConsole()
+    console.print("usage: flybench COMMAND [OPTIONS]\n", DESCRIPTION, sep="\n", markup=False)
+    for title, names in GROUPS.items():
+        table = Table(title=title, title_justify="left", title_style="bold", box=None)
+        table.show_header = False
+        table.add_column(width=max(map(len, COMMANDS)))
+        for name in names.split():
+            table.add_row(name, _outline(name).__doc__)
+        console.print(Text(), table)
+    say("\nMore: flybench COMMAND --help. The version: flybench --version.")
 
 
 def command_class(name: str) -> Any:

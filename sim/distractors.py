@@ -55,10 +55,10 @@ class Distractors:
         pedestrian_pavement: Side of the street on which the pedestrian walks; near is that of the
             camera.
         pedestrian_speed_m_s: Walking speed, 0.3 to 2.5 [m/s]; 1.4 is usual (Bohannon 1997).
-        pedestrian_lag_s: Time after the target at which the pedestrian passes the camera, −60 to 60
-            [s].
-        shake_rms_deg: Root mean square rotation of the camera about each of its axes, 0 to 3 [deg];
-            0.1 deg shifts the image of a DAVIS346 with a 6 mm lens by 0.57 px.
+        pedestrian_lag_s: Time after the target at which the pedestrian passes the camera, −60
+            to 60 [s].
+        shake_rms_deg: Root mean square rotation of the camera about each of its axes, 0
+            to 3 [deg]; 0.1 deg shifts the image of a DAVIS346 with a 6 mm lens by 0.57 px.
         shake_corner_hz: Corner frequency above which the shake falls off, 0.5 to 50 [Hz]; 4 Hz is
             typical of a tripod in gusts or of a hand-held camera (assumed).
         flicker_hz: Flicker rate of lamps on the mains: 100 or 120 [Hz]; 0 for no flicker.

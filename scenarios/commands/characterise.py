@@ -39,7 +39,7 @@ _LIBRARIES = ("flybench", "numpy", "numba", "scipy", "matplotlib")
 
 @dataclass(frozen=True)
 class Characterise:
-    """Measure an emulated sensor as real event cameras are measured, and write its data sheet."""
+    """Measure an emulated sensor, and write its data sheet."""
 
     sensor: tyro.conf.OmitArgPrefixes[SensorOptions] = field(default_factory=SensorOptions)
     seed: int = 0

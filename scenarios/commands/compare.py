@@ -25,7 +25,7 @@ from scenarios.output.terminal import run_cli
 
 @dataclass(frozen=True)
 class Compare:
-    """Compare two recordings of similar scenes, such as a real and an emulated one."""
+    """Compare two recordings, such as a real and an emulated one."""
 
     a: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="A")]
     """First recording, or the folder of a flybench run."""

@@ -36,7 +36,7 @@ TABLE = "convergence.csv"
 
 @dataclass(frozen=True)
 class Converge:
-    """Measure how events converge as rendering gets finer; thresholds are those of the sensor."""
+    """Measure how events converge as rendering gets finer."""
 
     lighting: Literal["day", "dusk", "night", "both"] = "both"
     """day: sun, sky. dusk: sky, street lamps. night: street lamps, headlights. both: day, night."""

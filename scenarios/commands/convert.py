@@ -27,7 +27,7 @@ _LONGEST_S = 1e9
 
 @dataclass(frozen=True)
 class Convert:
-    """Convert a recording of any event camera to another format, or cut it in time or space."""
+    """Convert a recording, or cut it in time or space."""
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]
     """Recording to read, or the folder of a flybench run."""

@@ -23,7 +23,7 @@ from scenarios.runs.sequence import estimated_bytes, failures, record_run
 
 @dataclass(frozen=True)
 class Demo:
-    """Run one sequence by day and one by night and compare the results in a table."""
+    """Run one crossing by day and one by night, and compare them."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = LOGS / "demo"
     """Folder to write; the sequences go to its folders day and night."""

@@ -41,7 +41,7 @@ from scenarios.styles.method_style import method_style
 
 @dataclass(frozen=True)
 class Detect:
-    """Detect the direction of motion in a recording of any event camera."""
+    """Detect the direction of motion in a recording."""
 
     GROUPS: ClassVar = {
         "detector": ("scale_to_sensor", "time_scale"),

@@ -23,7 +23,7 @@ _LIBRARIES = ("mujoco", "numba", "rerun-sdk", "h5py", "tyro")
 
 @dataclass(frozen=True)
 class Doctor:
-    """Show the renderer of this machine and its speed, or what to install if there is none."""
+    """Show the renderer of this machine, or what is missing."""
 
     def execute(self) -> int:
         """Print the table; the exit status is 1 if this machine cannot render."""

@@ -65,7 +65,7 @@ class EmulationTotals:
 
 @dataclass(frozen=True)
 class Emulate:
-    """Emulate a sensor that looks at a video, images or an array, and write its events."""
+    """Turn a video, images or an array into events."""
 
     input: Annotated[Path, tyro.conf.Positional]
     """Video, folder of images (in the order of their times or numbers) or .npy array."""

@@ -32,7 +32,7 @@ Factor = Literal[
 
 @dataclass(frozen=True)
 class Envelope:
-    """Measure where a detector is correct, on synthetic stimuli seen by the sensor's thresholds."""
+    """Measure on synthetic stimuli where a detector is correct."""
 
     REPEATABLE: ClassVar = frozenset({"--method"})
     method: RepeatedMethod = ()

@@ -54,7 +54,7 @@ _ILLUMINANCE_HINT = (
 
 @dataclass(frozen=True)
 class Run:
-    """Render one crossing, emulate the sensor, detect the direction and record everything."""
+    """Render one crossing, emulate the sensor, detect the direction."""
 
     GROUPS: ClassVar = {
         "scene": ("profile", "paint_reflectance", "distance_m", "street_seed"),
@@ -134,7 +134,7 @@ class Run:
     event_labels: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Write the cause and the source of each event into events.h5."""
     only_events: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Write only the events, with --event-labels, and the truth: no recording, no estimates."""
+    """Write only the events with --event-labels and the truth. The table still has the verdict."""
     events_format: Annotated[
         tuple[EventsFormat, ...], tyro.conf.arg(help_behavior_hint="(default: events.h5 only)")
     ] = ()

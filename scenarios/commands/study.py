@@ -66,7 +66,7 @@ _SEEDS = Range(1, MOST_SEEDS, remedy="Use at least five to estimate the variabil
 
 @dataclass(frozen=True)
 class Study:
-    """Run the paper's crossings with all methods, and test the paper's claims on the results."""
+    """Run the paper's crossings with all methods; test its claims."""
 
     GROUPS: ClassVar = {
         "conditions": ("moving_backgrounds", "second_sensor"),

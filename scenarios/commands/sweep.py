@@ -35,7 +35,7 @@ _SPEED_OVER_S = 3600.0
 
 @dataclass(frozen=True)
 class Sweep:
-    """Run all points of a grid or a random sample, and write one table."""
+    """Run all points of a grid or a random sample; write one table."""
 
     file: Annotated[
         tyro.conf.Positional[Path | None],

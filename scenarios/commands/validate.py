@@ -35,7 +35,7 @@ NEEDED_BYTES = 10_000_000
 
 @dataclass(frozen=True)
 class Validate:
-    """Score detectors on real recordings with known motion, as they are, mirrored and turned."""
+    """Score detectors on real recordings with known motion."""
 
     REPEATABLE: ClassVar = frozenset({"--method", "--recording"})
     manifest: Annotated[

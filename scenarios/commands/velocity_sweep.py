@@ -42,7 +42,7 @@ TABLE = "velocities.csv"
 
 @dataclass(frozen=True)
 class VelocitySweep:
-    """Run several angular velocities, and compare the estimates with the truth."""
+    """Run several angular velocities; compare with the truth."""
 
     GROUPS: ClassVar = {
         "sensor": ("seed", "seeds"),

@@ -37,7 +37,7 @@ _PORT = Range(1, 65535)
 
 @dataclass(frozen=True)
 class View:
-    """Open the recording of a run, or all recordings of a study, in the Rerun viewer."""
+    """Open recordings of runs or of a study in the Rerun viewer."""
 
     path: Annotated[Path, tyro.conf.Positional]
     """Folder of a run or a study, or a recording (.rrd)."""

@@ -1,12 +1,13 @@
 """The command line as a whole: commands, their help, versions and completion."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from scenarios.cli import COMMANDS, command_class, main
+from scenarios.cli import COMMANDS, GROUPS, command_class, main
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("mujoco", "rerun", "matplotlib", "numba", "pyarrow")
@@ -26,17 +27,24 @@ def test_every_command_exists_and_has_one_sentence() -> None:
     for name in COMMANDS:
         text = command_class(name).__doc__
         assert text.endswith("."), name
+        assert len(text) <= 62, name  # one line of the help
+
+
+def test_every_command_is_in_one_group_of_the_help() -> None:
+    assert sorted(" ".join(GROUPS.values()).split()) == sorted(COMMANDS)
 
 
 @pytest.mark.parametrize("arguments", [[], ["--help"]])
 def test_the_help_lists_every_command(
     arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, text = printed(arguments, monkeypatch, capsys)
-    assert status == 0
+    monkeypatch.setattr(sys, "argv", ["flybench", *arguments])
+    main()
+    text = capsys.readouterr().out
     for name in COMMANDS:
-        assert f"• {name}" in text
+        assert re.search(rf"^ {name} +[A-Z]", text, re.MULTILINE)
     assert "Make a film" in text
+    assert max(map(len, text.splitlines())) <= 80
 
 
 def test_a_misspelt_command_is_refused_with_the_list(
@@ -80,11 +88,16 @@ def test_no_default_is_shown_as_python_writes_nothing(
         assert nothing not in words
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh"])
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_the_completion_of_a_shell_knows_commands_and_options(
-    shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    shell: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    status, text = printed(["--tyro-print-completion", shell], monkeypatch, capsys)
+    file = tmp_path / "completion"
+    status, _ = printed(["--tyro-write-completion", shell, str(file)], monkeypatch, capsys)
     assert not status
+    text = file.read_text()
     assert "velocity-sweep" in text
-    assert "--illuminance-lux" in text
+    assert "illuminance-lux" in text

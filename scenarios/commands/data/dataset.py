@@ -31,7 +31,7 @@ _SPEED_OVER_S = 3600.0
 
 @dataclass(frozen=True)
 class Dataset:
-    """Make a dataset of random sequences with labels, in the layout of DSEC."""
+    """Make a labelled dataset of random sequences (layout of DSEC)."""
 
     file: Annotated[
         tyro.conf.Positional[Path],

@@ -49,7 +49,7 @@ _LIBRARIES = ("flybench", "numpy", "numba", "scipy", "matplotlib")
 
 @dataclass(frozen=True)
 class Calibrate:
-    """Estimate the parameters of a sensor from a recording with frames, and write sensor.toml."""
+    """Estimate the parameters of a sensor from a recording."""
 
     path: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
     """Recording of events and frames (AEDAT 4, ROS), or of events with --frames."""

@@ -39,7 +39,7 @@ _LONGEST_S = 1e9
 
 @dataclass(frozen=True)
 class Video:
-    """Make a film: events over frames, region and direction of a detector, truth, responses."""
+    """Make a film of a run, a study or a recording."""
 
     GROUPS: ClassVar = {
         "section": ("from_s", "to_s", "recording"),
