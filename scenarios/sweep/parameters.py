@@ -15,6 +15,7 @@ import msgspec
 from detector.fly.config import FlyConfig
 from emulator import SensorConfig, preset
 from emulator.presets import PresetName
+from flybench.direction import Direction
 from flybench.errors import FlybenchError
 from scenarios.errors import ScenarioError
 from scenarios.options.sensor import SensorOptions
@@ -122,7 +123,8 @@ def allowed(kind: Any) -> str:
     if get_origin(kind) is tuple:
         return "a list of whole numbers"
     if issubclass(kind, StrEnum):
-        return "one of " + ", ".join(f'"{member}"' for member in kind)
+        members = (member for member in kind if member is not Direction.NONE)  # nothing would move
+        return "one of " + ", ".join(f'"{member}"' for member in members)
     return _WORDS[kind]
 
 

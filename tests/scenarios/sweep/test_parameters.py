@@ -140,3 +140,8 @@ def test_a_value_out_of_range_is_refused_with_its_dotted_name(
     with pytest.raises(ScenarioError) as refusal:
         make_config(settings)
     assert str(refusal.value).startswith(words)
+
+
+def test_a_crossing_has_no_direction_none() -> None:
+    words = allowed(parameter_types()["crossing.direction"])
+    assert words == 'one of "right", "left", "up", "down"'
