@@ -119,6 +119,11 @@ def _viewer(size_px: tuple[int, int]) -> Iterator[ViewerClient]:
         yield ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
     except ConnectionError as error:
         raise ScreenshotError(NO_VIEWER) from error
+    except TimeoutError as error:
+        raise ScreenshotError(
+            "The Rerun viewer did not answer in time. Other programs may keep the machine busy. "
+            "Try again."
+        ) from error
     finally:
         process.terminate()
         process.wait()
