@@ -20,6 +20,7 @@ from formats import EventFile
 from scenarios.detect.spans import Span
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.recording.entities import ARROW
+from scenarios.styles.method_style import method_style
 
 PAGE_ROWS = 50
 """Rows of the table that are printed at a time."""
@@ -222,7 +223,7 @@ def _summary_table(outcome: Outcome) -> Table:
     for name, value in file.header_fields.items():
         table.add_row(f"header: {name}", value)
     table.add_section()
-    table.add_row("method", outcome.method)
+    table.add_row("method", method_style(outcome.method).label)
     if outcome.scaled:
         scaled = ", ".join(f"{name} = {value}" for name, value in outcome.scaled.items())
         table.add_row("scaled", scaled)

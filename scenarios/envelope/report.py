@@ -27,6 +27,7 @@ from scenarios.output.streams import SafeConsole
 from scenarios.output.tables import write_table
 from scenarios.output.versions import versions
 from scenarios.runs.run_table import format_percent
+from scenarios.styles.method_style import method_style
 
 TABLE = "envelope.csv"
 _MAP_SUFFIXES = {CORRECT: "", OPPOSITE: "_opposite", NONE: "_none"}
@@ -83,7 +84,8 @@ def print_envelope(rows: Sequence[Row], grid: Grid) -> None:
     for method in levels(rows, "method"):
         own = [row for row in rows if row["method"] == method]
         full = at_base_point(own, (SPEED, NOISE, *grid.crossed))
-        title = f"{method}: correct steps after 100 ms in view"
+        label = method_style(method).label
+        title = f"{label}: correct steps after 100 ms in view"
         table = Table(title=title, title_justify="left")
         table.add_column("px/s", justify="right")
         for noise in levels(full, NOISE):
@@ -95,7 +97,7 @@ def print_envelope(rows: Sequence[Row], grid: Grid) -> None:
         console.print(table)
         ranges = _describe(ranges_by_noise(rows, method))
         console.print(
-            f"{method}: at least {100 * MIN_CORRECT:.0f} % correct {ranges}", soft_wrap=True
+            f"{label}: at least {100 * MIN_CORRECT:.0f} % correct {ranges}", soft_wrap=True
         )
 
 

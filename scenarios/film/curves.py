@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from scenarios.film.material import Material
 from scenarios.film.track import Track
 from scenarios.output.figures import literal
+from scenarios.styles.method_style import method_style
 
 HEIGHT_PX = 150
 _DPI = 100
@@ -71,7 +72,8 @@ def _draw_lanes(axes: Any, material: Material, span_us: tuple[int, int]) -> None
     if material.truth is not None:
         lanes.append(("truth", material.truth.direction))
     if material.estimates.method is not None:
-        lanes.append((literal(material.estimates.method), material.estimates.direction))
+        label = literal(method_style(material.estimates.method).label)
+        lanes.append((label, material.estimates.direction))
     for row, (_, track) in enumerate(lanes):
         for start_us, end_us, direction in _periods(track, span_us):
             start_s, end_s = start_us * 1e-6, end_us * 1e-6

@@ -70,9 +70,9 @@ def _size(tables: RerunTables) -> tuple[int, int]:
 
 def _estimates(tables: RerunTables, method: str | None) -> Estimates:
     lanes = [name.split("_", 1) for name in tables.entities(at.DIRECTION)]
-    numbers = {part.replace("\\", ""): int(number) for number, part in lanes if number != "0"}
+    numbers = {lane: int(number) for number, lane in lanes if number != "0"}
     curves = {name.replace("\\", "") for name in tables.entities(at.HS)}
-    names = sorted(curves, key=lambda name: numbers.get(name, len(curves)))
+    names = sorted(curves, key=lambda name: numbers.get(at.lane_name(name), len(curves)))
     if method is None and not names:
         return Estimates()
     if method is not None and method not in names:
@@ -82,7 +82,7 @@ def _estimates(tables: RerunTables, method: str | None) -> Estimates:
             "leave --method out."
         )
     chosen = method or names[0]
-    paths = at.paths_of(chosen, numbers.get(chosen, 1) - 1)
+    paths = at.paths_of(chosen, numbers.get(at.lane_name(chosen), 1) - 1)
     return Estimates(
         method=chosen,
         hs=tables.track(paths.hs, _number, _SCALAR),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Final
 
 import rerun as rr
 
 from scenarios.output.colours import Rgb
+from scenarios.styles.method_style import method_style
 
 TIMELINE: Final = "time"
 """Name of the only time line: time since the start of the sequence."""
@@ -30,7 +32,7 @@ METHODS: Final = f"{CAMERA}/methods"
 
 DIRECTION: Final = "direction"
 TRUE_DIRECTION: Final = f"{DIRECTION}/0_truth"
-"""The viewer sorts lanes by path, so paths are numbered; the truth is first."""
+"""The viewer sorts lanes by path and shows the path, so it has a number and the method's label."""
 RESPONSE: Final = "response"
 HS: Final = f"{RESPONSE}/hs"
 VS: Final = f"{RESPONSE}/vs"
@@ -51,7 +53,7 @@ class MethodPaths:
     """Entity paths of one method.
 
     Attributes:
-        direction: lane of the estimated direction.
+        direction: lane of the estimated direction; its path has the label of the method.
         hs: curve of the normalised horizontal response.
         vs: curve of the normalised vertical response.
         velocity_x: curve of the image velocity [px/s], for a method that gives velocities.
@@ -87,7 +89,7 @@ def paths_of(method: str, number: int) -> MethodPaths:
     part = rr.escape_entity_path_part(method)
     images = f"{METHODS}/{part}"
     return MethodPaths(
-        direction=f"{DIRECTION}/{number + 1}_{part}",
+        direction=f"{DIRECTION}/{number + 1}_{lane_name(method)}",
         hs=f"{HS}/{part}",
         vs=f"{VS}/{part}",
         velocity_x=f"{IMAGE_VELOCITY_X}/{part}",
@@ -99,6 +101,12 @@ def paths_of(method: str, number: int) -> MethodPaths:
         motion=tuple(f"{images}/motion/{name}" for name in ("right", "left", "up", "down")),
         saliency=f"{images}/saliency",
     )
+
+
+def lane_name(method: str) -> str:
+    """Return the label of a method as part of a path that the viewer shows without escapes."""
+    words = re.findall(r"[\w.-]+", method_style(method).label)
+    return rr.escape_entity_path_part("_".join(words))
 
 
 NOISE_RGB: Final[Rgb] = (150, 150, 160)

@@ -17,6 +17,7 @@ from scenarios.output.numbers import plain_number
 from scenarios.output.streams import SafeConsole
 from scenarios.output.terminal import has_display
 from scenarios.pipeline.running import TOTAL
+from scenarios.styles.method_style import method_style
 
 FAILED = "failed"
 Summaries = Sequence[tuple[Path, dict[str, Any]]]
@@ -90,10 +91,10 @@ def _events(summary: dict[str, Any]) -> dict[str, str]:
 
 def _detector(scores: dict[str, Any]) -> dict[str, str]:
     if "failed" in scores:
-        return {"method": scores["method"], "verdict": FAILED}
+        return {"method": method_style(scores["method"]).label, "verdict": FAILED}
     latency = scores["latency_ms"]
     return {
-        "method": scores["method"],
+        "method": method_style(scores["method"]).label,
         "verdict": scores["direction"],
         "correct steps in view": (
             f"{format_percent(scores['accuracy'])} of {scores['steps_in_view']}"
@@ -109,7 +110,7 @@ def _detector(scores: dict[str, Any]) -> dict[str, str]:
 def _other_detectors(all_scores: Sequence[dict[str, Any]]) -> dict[str, str]:
     """Return one line per method of `--also`."""
     return {
-        f"also: {scores['method']}": (
+        f"also: {method_style(scores['method']).label}": (
             FAILED
             if "failed" in scores
             else f"{scores['direction']}, {format_percent(scores['accuracy'])} correct"

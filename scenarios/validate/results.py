@@ -15,6 +15,7 @@ from scenarios.detect.verdict import percent
 from scenarios.errors import MethodError
 from scenarios.output.tables import write_table
 from scenarios.recording.entities import ARROW
+from scenarios.styles.method_style import method_style
 from scenarios.validate.manifest import Recording, Window
 from scenarios.validate.scoring import Score, Total
 from scenarios.validate.turns import TURNS, Turn
@@ -174,9 +175,11 @@ def _print_table(
     for name in head(moving=moving):
         table.add_column(name, justify="left" if name == "method" else "right")
     for method, total in by_method.items():
-        table.add_row(method, *cells(total, moving=moving))
+        table.add_row(method_style(method).label, *cells(total, moving=moving))
     console.print(table)
     for note in dict.fromkeys(total.note for total in by_method.values() if total.note):
-        methods = ", ".join(method for method, total in by_method.items() if total.note == note)
+        methods = ", ".join(
+            method_style(method).label for method, total in by_method.items() if total.note == note
+        )
         console.print(f"{methods}: {note}", markup=False)
     console.print()

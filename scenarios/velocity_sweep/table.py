@@ -14,6 +14,7 @@ from scenarios.runs.run_table import (
     format_pixels,
     format_three_digits,
 )
+from scenarios.styles.method_style import method_style
 from scenarios.velocity_sweep.rows import Row
 
 COLUMNS = (
@@ -34,7 +35,8 @@ def print_rows(rows: Sequence[Row]) -> None:
     seeds = len({row["seed"] for row in rows})
     for lighting in dict.fromkeys(row["lighting"] for row in rows):
         own = [row for row in rows if row["lighting"] == lighting]
-        title = f"{lighting}, moving {own[0]['truth']}, method {own[0]['method']}, seeds: {seeds}"
+        method = method_style(own[0]["method"]).label
+        title = f"{lighting}, moving {own[0]['truth']}, {method}, seeds: {seeds}"
         table = Table(title=title, title_justify="left", pad_edge=False)  # fits into 80 columns
         for name in COLUMNS:
             table.add_column(name, no_wrap=name != "verdict")

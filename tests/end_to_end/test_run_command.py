@@ -131,7 +131,7 @@ def test_another_process_other_chunks_and_a_second_method_give_equal_results(
         assert table.splitlines()[1:] == rows
     assert [one["method"] for one in summary["detectors"]] == ["fly", "plane-fit"]
     assert summary["detectors"][0] == summary["detector"]
-    assert "also: plane-fit" in table_of(summary, capsys)
+    assert "also: plane fit" in table_of(summary, capsys)
 
 
 def test_a_run_replaces_an_earlier_run_in_the_same_folder(finished_run: tuple[Path, str]) -> None:

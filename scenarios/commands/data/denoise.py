@@ -34,6 +34,7 @@ from scenarios.pipeline.registry import CONTRAST, FLY, PLANE_FIT, WIDE
 from scenarios.pipeline.run_config import RunConfig
 from scenarios.pipeline.running import check_run_memory
 from scenarios.pipeline.user_detectors import find_method
+from scenarios.styles.method_style import method_style
 from sim import CrossingConfig, Lighting
 
 ROC, FILTER_TABLE, STEPS = "roc.csv", "filters.csv", "steps.csv"
@@ -45,7 +46,7 @@ NIGHT_BELOW_LUX, DUSK_BELOW_LUX = 40.0, 1000.0
 
 @dataclass(frozen=True)
 class Denoise:
-    """Measure filters of noise by illuminance: ROC curves, and the right steps of detectors."""
+    """Measure filters of noise by illuminance."""
 
     lux: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0, 30000.0)
     """Illuminances [lux], 0.1 to 100000: night below 40, dusk below 1000, else day."""
@@ -193,7 +194,7 @@ def print_steps(rows: Sequence[Row]) -> None:
     for lux, method in dict.fromkeys((row["illuminance_lux"], row["method"]) for row in rows):
         found = (shares.get((lux, method, name), {}) for name in filters)
         cells = (_percent(row.get("accuracy_after_100ms")) for row in found)
-        table.add_row(f"{lux:g}", method, *cells)
+        table.add_row(f"{lux:g}", method_style(method).label, *cells)
     SafeConsole().print(table)
 
 

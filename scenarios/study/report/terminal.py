@@ -11,6 +11,7 @@ from scenarios.runs.run_table import format_three_digits
 from scenarios.study.claims.claim import Claim, format_interval
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, by_method_and_lighting
+from scenarios.styles.method_style import method_style
 
 _HEADINGS = (
     "method",
@@ -30,7 +31,7 @@ def print_study(rows: Sequence[Row], claims: Sequence[Claim]) -> None:
         for lighting, found in by_lighting.items():
             latency = found["latency_ms"]
             table.add_row(
-                method,
+                method_style(method).label,
                 lighting,
                 format_interval(found["accuracy_after_100ms"], "%"),
                 "–" if latency is None else f"{latency.mean:.0f} ms",
