@@ -132,7 +132,9 @@ def _slowest(reward_at: RewardAt, peaks: Sequence[Velocity]) -> Velocity:
     of these is that component.
     """
     rewards = reward_at(np.array(peaks), 1.0)
-    is_equal = rewards >= _EQUAL_SHARE * rewards.max()
+    highest = rewards.max()
+    share = _EQUAL_SHARE if highest > 0 else 2 - _EQUAL_SHARE  # edges make rewards negative
+    is_equal = rewards >= share * highest
     equal = [peak for peak, kept in zip(peaks, is_equal, strict=True) if kept]
     return min(equal, key=lambda velocity: math.hypot(*velocity))
 

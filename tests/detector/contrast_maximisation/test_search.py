@@ -85,3 +85,13 @@ def test_the_peak_of_a_paraboloid_is_found() -> None:
 def test_a_bowl_or_a_plane_has_no_peak(curvature: float) -> None:
     offsets = square(2, 2.5)
     assert parabola_peak(offsets, curvature * (offsets**2).sum(axis=1)) == (0.0, 0.0)
+
+
+def test_a_peak_is_found_among_rewards_that_are_all_negative() -> None:
+    peaks = TwoPeaks((733.0, -411.0), (-300.0, 500.0))
+
+    def negative(velocities: np.ndarray, scale_px: float) -> np.ndarray:
+        return peaks(velocities, scale_px) - 2.0
+
+    found = search_cold(negative, window_s=WINDOW_S, limit_px_s=1500.0)
+    assert np.hypot(*np.subtract(found, peaks.high)) < 0.5
