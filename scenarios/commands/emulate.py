@@ -215,7 +215,7 @@ class Emulate:
     def _print(self, pictures: Pictures, motion: MotionStatistics, totals: EmulationTotals) -> None:
         table = Table(title=str(self.out), title_justify="left", show_header=False)
         rate = f", {totals.events / totals.t_us * 1e3:,.0f} kev/s" if totals.t_us else ""
-        share = f"{totals.on / totals.events:.1%} ON" if totals.events else "none"
+        share = f"{100 * totals.on / totals.events:.1f} % ON" if totals.events else "none"
         luminance = (
             f"up to {totals.max_cd_m2:.4g} cd/m², from the array"
             if pictures.are_luminance

@@ -50,7 +50,7 @@ def format_value(value: float | None, unit: Unit) -> str:
     if value is None:
         return "" if unit is Unit.NONE else ABSENT
     if unit is Unit.SHARE:
-        return f"{value:.1%}"
+        return f"{100 * value:.1f} %"
     if unit in _DECIMALS:
         return f"{value:.{_DECIMALS[unit]}f}"
     return f"{value:,.0f} {unit}" if value >= 100 else f"{value:.3g} {unit}"
@@ -76,7 +76,7 @@ def _summary(file: EventFile, found: RecordingStatistics) -> str:
     parts = [
         f"{found.events:,} events in {found.span_us * 1e-6:,.3f} s ({rate_mev_s:.3g} Mev/s)",
         f"{found.frames:,} frames",
-        f"{found.quiet_share:.0%} of pixels quiet",
+        f"{100 * found.quiet_share:.0f} % of pixels quiet",
     ]
     if file.sorted_events is not None:
         parts.append(f"{file.sorted_events:,} late events sorted")

@@ -187,6 +187,10 @@ def file_line(file: EventFile) -> str:
     return f"{file.format}, {_sensor(file)}, times in {unit}"
 
 
+def _polarities(on_share: float) -> str:
+    return f"{100 * on_share:.1f} %, {100 * (1 - on_share):.1f} %"
+
+
 def _sensor(file: EventFile) -> str:
     return f"{file.width} × {file.height} px, from {file.size_source}"
 
@@ -200,7 +204,7 @@ def file_rows(file: EventFile) -> list[tuple[str, str]]:
         ("events", f"{found.events:,} in {found.span_us * 1e-6:,.3f} s"),
         ("time", f"{found.first_us * 1e-6:,.6f} s to {found.last_us * 1e-6:,.6f} s"),
         ("rate", f"{found.rate_hz * 1e-3:,.1f} kev/s"),
-        ("ON, OFF", f"{found.on_share:.1%}, {1 - found.on_share:.1%}" if found.events else "none"),
+        ("ON, OFF", _polarities(found.on_share) if found.events else "none"),
         ("x, y", f"{found.x_min} to {found.x_max}, {found.y_min} to {found.y_max}"),
         ("frames", f"{found.frames:,}"),
     ]

@@ -104,7 +104,7 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
     return Section(
         "Refractory period",
         "The logarithm of the luminance rises at constant rates, by a factor of "
-        f"{_END_LUX / _START_LUX:.0e} in all. Intervals between ON events of {SIDE_PX}×{SIDE_PX} "
+        f"{_END_LUX / _START_LUX:,.0f} in all. Intervals between ON events of {SIDE_PX}×{SIDE_PX} "
         "pixels are measured once the photoreceptor rises at the same rate. Each is the refractory "
         "period plus the time to the next threshold. Plotted against the inverse rate, they form a "
         "line: its intercept is the refractory period, its slope the threshold.",

@@ -45,7 +45,7 @@ def test_it_prints_every_statistic_with_its_distance(
     out = capsys.readouterr().out
     for words in (
         r"A: .*real\.aedat4, 2,\d+ events in 0\.\d+ s",
-        r"ON events +\d+\.\d% +100\.0% +0\.\d\d +\|B − A\|",
+        r"ON events +\d+\.\d % +100\.0 % +0\.\d\d +\|B − A\|",
         r"events per pixel and edge +1\.\d\d +3\.00 +\d",
         r"interval, 1st percentile .* µs .* \|ln\(B/A\)\|",
         r"noise, 1/2–2 of mean",
