@@ -61,11 +61,14 @@ python_maximum_signature_line_length = 88
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",
+    "subsection_order": [f"gallery/{topic}" for topic in ("scene", "sensor", "detector", "own")],
+    "within_subsection_order": "gallery_order.GalleryOrder",
     "filename_pattern": r"[\\/]",
     "ignore_pattern": r"[\\/]_",
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,
+    "min_reported_time": 1e9,  # the time on the machine that built the site tells a reader nothing
     "write_computation_times": False,
     "show_signature": False,
     "remove_config_comments": True,

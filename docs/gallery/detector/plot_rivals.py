@@ -34,6 +34,7 @@ def run(name, outputs):
     began_s, found = time.thread_time(), []
     for t_us, output in outputs:
         found += feed.feed(output.events, until_us=t_us, frames=output.aps_frames)
+    feed.raise_failure()
     return found, 1e3 * (time.thread_time() - began_s) / max(1, len(found))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from flybench import EventCamera, FlyConfig, FlyDetector, open_model
 from scenarios.output.colours import OFF, ON
 
-model = open_model(Path("../../examples/robot_arm/arm.xml"))
+model = open_model(Path("../../../examples/robot_arm/arm.xml"))
 data = mujoco.MjData(model)
 mujoco.mj_resetDataKeyframe(model, data, 0)
 

@@ -33,3 +33,4 @@ for polarity, colour, name in ((True, "#0072b2", "ON"), (False, "#d55e00", "OFF"
     axes.plot(times / 1000, np.interp(times, t_us, luminance), "o", color=colour, label=name)
 axes.set(xlabel="time [ms]", ylabel="luminance [cd/m²]")
 axes.legend()
+plt.show()
