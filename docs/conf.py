@@ -67,6 +67,7 @@ sphinx_gallery_conf = {
     "ignore_pattern": r"[\\/]_",
     "abort_on_example_error": True,
     "download_all_examples": False,
+    "parallel": True,  # as many processes as -j of Sphinx
     "show_memory": False,
     "min_reported_time": 1e9,  # the time on the machine that built the site tells a reader nothing
     "write_computation_times": False,

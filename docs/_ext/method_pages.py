@@ -1,5 +1,7 @@
 """Pages of the detectors in the registry and of the sensors by name."""
 
+import inspect
+import sys
 from typing import Any, get_args
 
 from configuration_pages import as_cell, differences, shown
@@ -32,7 +34,16 @@ def _methods() -> str:
         changed = list(differences(entry.config, base))
         if changed:
             parts.append(f"## {entry.name}\n\n{_table(changed, entry.name, type(base).__name__)}")
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join([*parts, _sources()]) + "\n"
+
+
+def _sources() -> str:
+    """Return where each class comes from, as the docstring of its module states it."""
+    rows = []
+    for factory in dict.fromkeys(entry.factory for entry in DETECTORS.values()):
+        text = inspect.cleandoc(sys.modules[factory.__module__].__doc__ or "")
+        rows.append(f"- {{py:class}}`~detector.{factory.__name__}`: {as_cell(text)}")
+    return "\n".join(["## Sources", "", *rows])
 
 
 def _method(entry: DetectorEntry) -> str:
