@@ -16,9 +16,9 @@ from scenarios.cli import main
 from scenarios.output import terminal
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = sorted(
-    page for part in ("tutorials", "how-to", "notebooks") for page in (DOCS / part).glob("*.md")
-)
+FOLDERS = ("tutorials", "how-to", "notebooks")
+PAGES = [DOCS / "index.md"]
+PAGES += sorted(page for part in FOLDERS for page in (DOCS / part).glob("*.md"))
 CHEAP = (
     "tutorials/your-own-recording.md",
     "how-to/emulate-my-video.md",

@@ -184,7 +184,7 @@ def test_moving_backgrounds_and_the_second_sensor_have_a_table_each(tmp_path: Pa
     text = " ".join(path.read_text(encoding="utf-8").split())
     page = Page(text)
     assert {"background", "sensor"} < set(page.ids)
-    assert "1 crossings (day: 1)" in text
+    assert "1 crossing (day: 1)" in text
     assert "and 1 with a moving background" in text
     assert "wind: correct steps [%]" in text
     assert "event-driven fly, no attention" in text
