@@ -88,7 +88,7 @@ def test_a_velocity_sweep_prints_and_writes_truth_and_estimate(
     sweep = VelocitySweep(omegas=(2.42,), step_px=8.0, supersample=1, seeds=2, out=out)
     assert sweep.execute() == 0
     printed = capsys.readouterr().out
-    for words in ("2.42", "right", "moving right, method fly, seeds: 2"):
+    for words in ("2.42", "right", "moving right, event-driven fly, seeds: 2"):
         assert words in printed
     assert {path.name for path in out.iterdir()} == {
         "velocities.csv",

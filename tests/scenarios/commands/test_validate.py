@@ -54,7 +54,7 @@ def test_it_prints_and_writes_every_method_in_every_variant(
     printed = capsys.readouterr().out
     for words in ("box, 0.00 to 0.30 s: → right", "calm, 0.00 to 0.30 s: nothing moves"):
         assert words in printed
-    assert "frame-fly: The method needs APS frames" in printed
+    assert "frame-based fly: The method needs APS frames" in printed
     rows = rows_of(out)
     assert len(rows) == 2 * len(TURNS) * 2
     truths = [row["truth"] for row in rows if row["method"] == "fly"]
