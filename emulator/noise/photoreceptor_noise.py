@@ -55,9 +55,9 @@ def noise_of(sigma_0: float, corner: float, open_corner: float, follower_us: flo
     """
     tau_us = 1.0 / corner
     total_us = tau_us + follower_us
-    sigma = sigma_0 * math.sqrt(corner / open_corner * tau_us / total_us)
-    smoothing = SMOOTHING * math.sqrt(tau_us * follower_us) / total_us
-    return Noise(sigma, 1.0 / total_us, smoothing)
+    per_tau = 1.0 / total_us
+    sigma = sigma_0 * math.sqrt(1.0 / (open_corner * total_us))
+    return Noise(sigma, per_tau, SMOOTHING * math.sqrt(tau_us * follower_us) * per_tau)
 
 
 def draw_dark_factors(config: SensorConfig, rng: np.random.Generator) -> npt.NDArray[np.float32]:

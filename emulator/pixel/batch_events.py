@@ -6,18 +6,16 @@ segment, threshold crossings and noise compete; whichever comes first resets the
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from emulator.pixel.batch import (
-    CHANGE,
-    CLOCK,
     DARK_LUX,
     DRIFT,
     EVENT_TIME,
     HOT_RATE,
-    LAG,
-    LEAK,
     LEAK_FACTOR,
     LOG_FROM,
     LOG_TO,
@@ -29,7 +27,6 @@ from emulator.pixel.batch import (
     NEW_SECOND_LAG,
     OUTCOME,
     REST,
-    SECOND_LAG,
     SILENT,
     SINGLE,
     THETA_OFF,
@@ -40,7 +37,7 @@ from emulator.pixel.batch import (
 from emulator.pixel.pixel_step import plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel
 from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
-from emulator.pixel.state import MOVED, PixelModel, PixelState, StepTimes
+from emulator.pixel.state import DRAWS, MOVED, PixelModel, PixelState, StepTimes
 from emulator.readout.event_keys import Keys, make_key
 from flybench.kernels import compiled, inlined
 
@@ -58,17 +55,17 @@ def mismatch_of(fields: Reals, k: int) -> Mismatch:
 
 
 @inlined
-def pixel_of(fields: Reals, k: int, draws: np.int64) -> Pixel:
-    """Return the state of the pixel at position `k` of a batch at the start of a step."""
-    leak = fields[LEAK + k]
+def stored_pixel(own: Any, draws: np.int64) -> Pixel:
+    """Return the state of a pixel from its record, an element of `PixelState.pixels`."""
+    leak = np.float64(own.leak)
     return Pixel(
-        fields[LAG + k],
-        fields[CHANGE + k],
+        np.float64(own.lag),
+        np.float64(own.change),
         max(leak, 0.0),
-        fields[CLOCK + k],
+        np.float64(own.clock),
         max(-leak, 0.0),
         draws,
-        fields[SECOND_LAG + k],
+        np.float64(own.second_lag),
     )
 
 
@@ -115,6 +112,7 @@ def store_finished(
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     moved = MOVED if noisy else np.uint32(0)
+    drawn = DRAWS if noisy else np.uint32(0)
     step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
     for k in range(count):
         outcome = fields[OUTCOME + k]
@@ -124,6 +122,7 @@ def store_finished(
         if outcome == SINGLE:
             keys[used] = make_key(fields[EVENT_TIME + k], step_us, i, int(fields[MARK + k]))
             used += 1
+            pixels[i].draws += drawn
         lag, change = fields[NEW_LAG + k], fields[NEW_CHANGE + k]
         leak, clock = fields[NEW_LEAK + k], fields[NEW_CLOCK + k]
         second_lag = fields[NEW_SECOND_LAG + k]
@@ -180,7 +179,7 @@ def step_others(
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
-        pixel = pixel_of(fields, k, np.int64(own.draws))
+        pixel = stored_pixel(own, np.int64(own.draws))
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         plan = plan_step(model, log_from, log_to, changed, -fields[REST + k], span_us)

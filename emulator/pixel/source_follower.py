@@ -56,6 +56,14 @@ def separated(tau_us: float, follower_us: float) -> float:
 
 
 @compiled
+def separated_corner(corner: float, follower_us: float) -> float:
+    """Return 1/τ2 of `separated`, without a division for each pixel; `corner` is 1/τ1."""
+    if abs(follower_us * corner - 1.0) < _MIN_RELATIVE_DIFFERENCE:
+        return corner * (1.0 / (1.0 + _MIN_RELATIVE_DIFFERENCE))
+    return 1.0 / follower_us
+
+
+@compiled
 def amplitudes(
     lag: float, second_lag: float, slope: float, tau_us: float, follower_us: float
 ) -> tuple[float, float]:

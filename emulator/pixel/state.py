@@ -20,6 +20,10 @@ from flybench.kernels import compiled
 MOVED = np.uint32(1 << 31)
 """The highest bit of `draws`, see `PIXEL_DTYPE`."""
 
+DRAWS = np.uint32(3)
+"""Random numbers of an event of a pixel with noise: what it was, the clock, and the noise at the
+end of the reset."""
+
 BLOCK = 64
 """Number of neighbouring pixels in a block: one bit each of a 64-bit mask."""
 

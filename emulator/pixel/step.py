@@ -16,8 +16,10 @@ from emulator.pixel.active_pixels import GROUP, ActiveMasks, ThreadShare, next_b
 from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
 from emulator.pixel.batch_events import step_others, store_finished
 from emulator.pixel.noisy.batch import follow_quiet
+from emulator.pixel.noisy.fire_batch import solve_events
 from emulator.pixel.noisy.near_batch import solve_near
 from emulator.pixel.noisy.step import step_noisy
+from emulator.pixel.noisy.wake_batch import bring_to_ramp
 from emulator.pixel.state import BLOCK, PixelModel, PixelState, StepTimes
 from emulator.pixel.threshold_crossings import solve_crossings
 from emulator.readout.event_keys import Keys
@@ -133,8 +135,11 @@ def step_pixels(
             follow_batch(batch.fields, model, rounded_up(count), span_us)
             solve_crossings(batch, model, count, span_us)
         else:
+            if noisy:
+                bring_to_ramp(batch, state, model, count, span_us)
             follow_quiet(batch, model, rounded_up(count), span_us)
-            solve_near(batch, model, count, span_us)
+            firing = solve_near(batch, model, count, span_us)
+            solve_events(batch, state, model, firing, span_us)
         if keys.size - used < BATCH:
             keys = doubled(keys, most)
         used = store_finished(state, luminance, times, batch, count, noisy, keys, used)

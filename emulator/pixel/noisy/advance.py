@@ -16,8 +16,10 @@ from emulator.noise.random_numbers import exponential, gaussian, uniform
 from emulator.pixel.noisy.passage import (
     LONGEST_US,
     SHORT,
-    hazards_at,
+    distances,
+    hazards_of,
     mean_difference,
+    mean_slope,
     noisy_course,
     passage_us,
     piece_hazard,
@@ -26,7 +28,7 @@ from emulator.pixel.noisy.passage import (
 )
 from emulator.pixel.segment import Mismatch, Pixel, Segment, lags_after, without_event
 from emulator.pixel.single_pixel import NO_EVENT
-from emulator.pixel.state import PixelModel
+from emulator.pixel.state import DRAWS, PixelModel
 from flybench.events import Cause
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp
@@ -36,9 +38,6 @@ _SIGNAL, _LEAK, _SHOT, _HOT = (
 )
 _SETTLED = 0.1
 """Lag below which the response to the light is over, in units of σ (assumed)."""
-
-_DRAWS = 3
-"""Random numbers of an event: what it was, the clock, and the noise at the end of the reset."""
 
 
 @compiled
@@ -97,7 +96,9 @@ def fire(
     """Return a pixel at its event `event_us` from now, held in reset; and 2·cause + polarity."""
     course = noisy_course(pixel, segment, model)
     d = mean_difference(course, event_us)
-    on_rate, off_rate = hazards_at(course, mismatch, event_us, d)
+    h_on, h_off = distances(course.noise, mismatch, d)
+    speed = mean_slope(course, event_us) / course.noise.sigma
+    on_rate, off_rate = hazards_of(course.noise, h_on, h_off, speed)
     hot_rate = mismatch.hot_rate
     choice = uniform(model.seed, index, pixel.draws) * (on_rate + off_rate + abs(hot_rate))
     lag, second_lag = lags_after(pixel, segment, model, event_us, exp(-event_us * segment.corner))
@@ -110,7 +111,7 @@ def fire(
     else:
         mark = 2 * _HOT + (choice - on_rate - off_rate >= -0.5 * hot_rate)
     clock = exponential(model.seed, index, pixel.draws + 1)
-    draws = pixel.draws + _DRAWS
+    draws = pixel.draws + np.int64(DRAWS)
     return Pixel(lag - noise, 0.0, 0.0, clock, model.refractory_us, draws, second_lag), mark
 
 

@@ -1,8 +1,9 @@
 """Follows many pixels at once through a step without an event: with noise, or with a follower.
 
 Most pixels stay so far from both thresholds that noise cannot carry them across; they need only
-their state at the end of the step. The others are taken through it one by one
-(`emulator.pixel.noisy.step`, or `emulator.pixel.batch_events` without noise).
+their state at the end of the step. The others are left to `emulator.pixel.noisy.near_batch`, or
+taken through the step one by one (`emulator.pixel.noisy.step`, or `emulator.pixel.batch_events`
+without noise).
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from emulator.pixel.batch import (
     SECOND_LAG,
     SIGMA,
     SILENT,
+    START,
     THETA_OFF,
     THETA_ON,
     Batch,
@@ -43,7 +45,7 @@ from emulator.pixel.batch import (
 from emulator.pixel.noisy.near_batch import LONGEST
 from emulator.pixel.noisy.passage import bounds
 from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
-from emulator.pixel.source_follower import amplitudes, separated
+from emulator.pixel.source_follower import amplitudes, separated, separated_corner
 from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled
 from flybench.portable_math import exp
@@ -69,27 +71,31 @@ def follow_quiet(batch: Batch, model: PixelModel, count: int, span_us: float) ->
         noise = noise_of(
             model.sigma_0, corner, model.corner_per_lux * current_lux, model.follower_us
         )
+        start_us = fields[START + k]
+        left_us = span_us - start_us
         rise = log_to - log_from
         slope = rise * per_us
-        decay = exp(-span_us * corner)
+        short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
+        rise *= 1.0 - start_us * per_us
+        decay = exp(-left_us * corner)
         new_lag = lag_after(lag, slope, tau_us, decay)
         new_second = 0.0
         if has_follower:
             follower_us = separated(tau_us, model.follower_us)
             coupling, own = amplitudes(lag, second_lag, slope, tau_us, follower_us)
             coupling -= lag - slope * tau_us
-            second_decay = exp(-span_us / follower_us)
+            second_decay = exp(-left_us * separated_corner(corner, model.follower_us))
             new_second = slope * follower_us + coupling * decay + own * second_decay
         new_change = fields[CHANGE + k] + rise - (new_lag - lag) - (new_second - second_lag)
-        new_leak = leak + drift * span_us
+        new_leak = leak + drift * left_us
         total = lag + second_lag
         low, high = bounds(fields[CHANGE + k] + leak, second_lag, total, total + rise)
-        margin, leaked = H_MAX * noise.sigma, drift * span_us
+        margin, leaked = H_MAX * noise.sigma, drift * left_us
         within = high + margin + leaked < fields[THETA_ON + k]
         within &= low - margin > -fields[THETA_OFF + k]
-        awake = (fields[REST + k] == 0.0) & (leak >= 0.0) & changed[k]
+        within |= left_us <= 0.0
+        awake = (fields[REST + k] == 0.0) & ((leak >= 0.0) | (left_us <= 0.0)) & changed[k]
         bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
-        short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
         followed = awake & (bright | short) & (fields[HOT_RATE + k] == 0.0)
         last_us = model.follower_us if has_follower else tau_us
         near = has_noise & (span_us <= LONGEST * last_us)

@@ -1,8 +1,8 @@
 """The pixels of a batch that noise may carry across a threshold: the second pass over a batch.
 
-The mean difference d of each pixel is sampled at five times of the step, and its hazard is that of
-`emulator.pixel.noisy.passage`, with one turning point of d at most. A pixel whose clock survives it
-is finished. The others are left to `emulator.pixel.noisy.step`.
+The mean difference d of each pixel is sampled at five times of the rest of the step. Its hazard is
+that of `emulator.pixel.noisy.passage`, with one turning point of d at most. A pixel whose clock
+survives it is finished; the others are left to `emulator.pixel.noisy.fire_batch`.
 """
 
 from __future__ import annotations
@@ -15,24 +15,28 @@ from emulator.pixel.batch import (
     CORNER,
     CROSSING,
     DRIFT,
+    FIRST,
     LAG,
     LEAK,
     LOG_FROM,
     LOG_TO,
     NEW_CLOCK,
-    OTHER,
     OUTCOME,
+    SECOND,
     SECOND_LAG,
     SIGMA,
     SILENT,
+    SLOPE,
+    SPAN,
+    START,
     THETA_OFF,
     THETA_ON,
     Batch,
     Reals,
     rounded_up,
 )
-from emulator.pixel.noisy.passage import diffusion_rate
-from emulator.pixel.source_follower import amplitudes, separated
+from emulator.pixel.noisy.passage import NoisyCourse, mean_diffusion_rate
+from emulator.pixel.source_follower import amplitudes, separated, separated_corner
 from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp
@@ -50,22 +54,30 @@ COPIED = (
     DRIFT,
     CORNER,
     SIGMA,
+    START,
 )
 """Fields that the pass reads."""
+
+KEPT = (*COPIED, SLOPE, SPAN, FIRST, SECOND)
+"""Fields of the pixels that are left."""
 
 LONGEST = 2.5
 """Longest step, in time constants of the last low-pass: in a quarter of it d is nearly straight."""
 
 
 @compiled
-def solve_near(batch: Batch, model: PixelModel, count: int, span_us: float) -> None:
+def solve_near(batch: Batch, model: PixelModel, count: int, span_us: float) -> int:
     """Finish the near pixels among the first `count` of a batch that stay silent.
 
     Args:
-        batch: outcome CROSSING is replaced by SILENT, with the new clock, or by OTHER.
+        batch: outcome CROSSING is replaced by SILENT, with the new clock, if the pixel has no
+            event. The others are left in `crossing` and `crossing_fields`, with KEPT.
         model: constants of the sensor.
         count: number of pixels.
         span_us: duration of the step [µs].
+
+    Returns:
+        The number of the others.
     """
     fields, near, own = batch.fields, batch.crossing, batch.crossing_fields
     found = 0
@@ -75,54 +87,96 @@ def solve_near(batch: Batch, model: PixelModel, count: int, span_us: float) -> N
     for field in COPIED:
         for m in range(found):
             own[field + m] = fields[field + near[m]]
-    spend_clocks(own, model, rounded_up(found), span_us)
+    per_us = 1.0 / span_us
+    for m in range(rounded_up(found)):
+        own[SLOPE + m] = (own[LOG_TO + m] - own[LOG_FROM + m]) * per_us
+        own[SPAN + m] = span_us - own[START + m]
+    spend_clocks(own, model, rounded_up(found))
+    firing = 0
     for m in range(found):
+        k = near[m]
         left = own[NEW_CLOCK + m]
-        fields[NEW_CLOCK + near[m]] = left
-        fields[OUTCOME + near[m]] = SILENT if left > 0.0 else OTHER
+        fields[NEW_CLOCK + k] = left
+        if left > 0.0:
+            fields[OUTCOME + k] = SILENT
+        else:
+            for field in KEPT:
+                own[field + firing] = own[field + m]
+            near[firing] = k
+            firing += 1
+    return firing
 
 
 @inlined
-def rising_hazard(before: float, turn: float, after: float) -> float:
-    """Return the hazard of an approach from `before` by way of `turn` to `after`, all −ln Φ(h)."""
-    return max(turn - before, 0.0) + max(after - turn, 0.0)
+def course_of(own: Reals, k: int, model: PixelModel) -> NoisyCourse:
+    """Return the course of a pixel, of which `spend_clocks` has stored the amplitudes."""
+    corner, second_corner = own[CORNER + k], 0.0
+    if model.follower_us > 0.0:
+        second_corner = separated_corner(corner, model.follower_us)
+    return NoisyCourse(
+        own[CHANGE + k] + own[LEAK + k],
+        own[SLOPE + k] + own[DRIFT + k],
+        own[FIRST + k],
+        own[SECOND + k],
+        corner,
+        second_corner,
+        noise_of(own[SIGMA + k], corner, corner, model.follower_us),
+    )
+
+
+@inlined
+def quarter_differences(
+    course: NoisyCourse, quarter_us: float
+) -> tuple[float, float, float, float]:
+    """Return d after one, two, three and four quarters of a span."""
+    a, b, rise = course.a, course.b, course.rate * quarter_us
+    level = course.start + a + b
+    e1, f1 = exp(-quarter_us * course.corner), exp(-quarter_us * course.second_corner)
+    e2, f2 = e1 * e1, f1 * f1
+    return (
+        level + rise - a * e1 - b * f1,
+        level + 2.0 * rise - a * e2 - b * f2,
+        level + 3.0 * rise - a * (e2 * e1) - b * (f2 * f1),
+        level + 4.0 * rise - a * (e2 * e2) - b * (f2 * f2),
+    )
 
 
 @compiled
-def spend_clocks(own: Reals, model: PixelModel, count: int, span_us: float) -> None:
-    """Compute what a step leaves on the clocks of the first `count` pixels; below 0 they fire."""
-    per_us, quarter = 1.0 / span_us, 0.25 * span_us
+def spend_clocks(own: Reals, model: PixelModel, count: int) -> None:
+    """Compute what SPAN leaves on the clocks of the first `count` pixels; at 0 or less they fire.
+
+    For the noise, the course of d is replaced by a line with the same mean and the same rise. Its
+    approach to a threshold counts to the place where d turns, and from there to that of the other.
+    """
     has_follower = model.follower_us > 0.0
     for k in range(count):
-        corner = own[CORNER + k]
-        slope = (own[LOG_TO + k] - own[LOG_FROM + k]) * per_us
-        tau_us = 1.0 / corner
-        a, b, second_corner = own[LAG + k] - slope * tau_us, 0.0, 0.0
+        lag, slope, tau_us = own[LAG + k], own[SLOPE + k], 1.0 / own[CORNER + k]
+        a, b = lag - slope * tau_us, 0.0
         if has_follower:
             follower_us = separated(tau_us, model.follower_us)
-            a, b = amplitudes(own[LAG + k], own[SECOND_LAG + k], slope, tau_us, follower_us)
-            second_corner = 1.0 / follower_us
-        rise = (slope + own[DRIFT + k]) * quarter
-        e1, f1 = exp(-quarter * corner), exp(-quarter * second_corner)
-        e2, f2 = e1 * e1, f1 * f1
-        start = own[CHANGE + k] + own[LEAK + k]
-        level = start + a + b
-        d1 = level + rise - a * e1 - b * f1
-        d2 = level + 2.0 * rise - a * e2 - b * f2
-        d3 = level + 3.0 * rise - a * (e2 * e1) - b * (f2 * f1)
-        end = level + 4.0 * rise - a * (e2 * e2) - b * (f2 * f2)
+            a, b = amplitudes(lag, own[SECOND_LAG + k], slope, tau_us, follower_us)
+        own[FIRST + k], own[SECOND + k] = a, b
+        course = course_of(own, k, model)
+        start = course.start
+        d1, d2, d3, end = quarter_differences(course, 0.25 * own[SPAN + k])
         top, bottom = max(max(d1, d2), d3), min(min(d1, d2), d3)
-        turn = top if top > max(start, end) else d2
+        turn = top if top > max(start, end) else end
         turn = bottom if bottom < min(start, end) else turn
-        noise = noise_of(own[SIGMA + k], corner, corner, model.follower_us)
-        hazard = 0.0
         per_sigma = 1.0 / own[SIGMA + k]
-        for side in (1.0, -1.0):
-            theta = own[THETA_ON + k] if side > 0.0 else own[THETA_OFF + k]
-            before, after = (theta - side * start) * per_sigma, (theta - side * end) * per_sigma
-            middle, nearest = (theta - side * d2) * per_sigma, (theta - side * turn) * per_sigma
-            steady = diffusion_rate(noise, before) + 4.0 * diffusion_rate(noise, middle)
-            steady += diffusion_rate(noise, after)
-            hazard += steady * (span_us / 6.0)
-            hazard += rising_hazard(surprise(before), surprise(nearest), surprise(after))
+        theta_on, theta_off = own[THETA_ON + k], own[THETA_OFF + k]
+        bend = (2.0 / 3.0) * (d2 - 0.5 * (start + end))
+        line_start, line_end = start + bend, end + bend
+        steady = mean_diffusion_rate(
+            course.noise, (theta_on - line_start) * per_sigma, (theta_on - line_end) * per_sigma
+        )
+        steady += mean_diffusion_rate(
+            course.noise, (theta_off + line_start) * per_sigma, (theta_off + line_end) * per_sigma
+        )
+        rises = turn > start
+        near, far = (theta_on, theta_off) if rises else (theta_off, theta_on)
+        sign = per_sigma if rises else -per_sigma
+        hazard = surprise(near * per_sigma - sign * turn)
+        hazard -= surprise(near * per_sigma - sign * start)
+        back = surprise(far * per_sigma + sign * end) - surprise(far * per_sigma + sign * turn)
+        hazard = steady * own[SPAN + k] + max(hazard, 0.0) + max(back, 0.0)
         own[NEW_CLOCK + k] = own[CLOCK + k] - hazard

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from emulator.noise.first_passage import H_MAX, decay_rate, surprise, surprise_slope
+from emulator.noise.first_passage import H_MAX, decay_rate, sojourn, surprise, surprise_slope
 from emulator.noise.photoreceptor_noise import Noise
 from emulator.pixel.segment import Mismatch, Pixel, Segment
 from emulator.pixel.source_follower import amplitudes, separated
@@ -34,6 +34,12 @@ _LARGEST_MOVE = 0.7
 SHORT = 0.1
 """Length of a piece, in units of the correlation time, in which d may move farther: the noise
 hardly changes meanwhile."""
+
+_NEARER_PART = 0.35
+"""Distance in σ over which ν falls to less than half, at usual distances of 2 to 5 σ."""
+
+_WIDTH = 5e-4
+"""Distance in σ by which every move is widened, so that no difference is divided by zero."""
 
 _ROUNDS_MAX = 40
 _TIME_TOLERANCE_US = 0.05
@@ -101,6 +107,18 @@ def distances(noise: Noise, mismatch: Mismatch, d: float) -> tuple[float, float]
 def diffusion_rate(noise: Noise, h: float) -> float:
     """Return the hazard of noise at a distance `h` that does not change [1/µs]."""
     return decay_rate(h) * noise.per_tau / (1.0 + noise.smoothing * max(h, 0.0))
+
+
+@inlined
+def mean_diffusion_rate(noise: Noise, before: float, after: float) -> float:
+    """Return the mean of `diffusion_rate` while h moves steadily from `before` to `after` [1/µs].
+
+    The factor of two low-passes is that of a place in the nearer part, where most crossings are.
+    """
+    near, far = min(before, after) - _WIDTH, max(before, after) + _WIDTH
+    weighted = near + min(0.5 * (far - near), _NEARER_PART)
+    width = (far - near) * (1.0 + noise.smoothing * max(weighted, 0.0))
+    return (sojourn(near) - sojourn(far)) / width * noise.per_tau
 
 
 @inlined
@@ -227,13 +245,15 @@ def passage_us(
 
 
 @inlined
-def hazards_at(
-    course: NoisyCourse, mismatch: Mismatch, s_us: float, d: float
-) -> tuple[float, float]:
-    """Return the hazards of the ON and of the OFF threshold at a time, hot pixels aside [1/µs]."""
-    noise = course.noise
-    h_on, h_off = distances(noise, mismatch, d)
-    speed = mean_slope(course, s_us) / noise.sigma
+def hazards_of(noise: Noise, h_on: float, h_off: float, speed: float) -> tuple[float, float]:
+    """Return the hazards of the ON and of the OFF threshold, hot pixels aside [1/µs].
+
+    Args:
+        noise: noise of the photoreceptor.
+        h_on: distance of d from the ON threshold, in units of σ.
+        h_off: distance of d from the OFF threshold, in units of σ.
+        speed: slope of d in σ [1/µs].
+    """
     on = diffusion_rate(noise, h_on) + max(speed, 0.0) * surprise_slope(h_on)
     off = diffusion_rate(noise, h_off) + max(-speed, 0.0) * surprise_slope(h_off)
     return on, off

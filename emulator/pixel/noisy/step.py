@@ -14,11 +14,10 @@ from emulator.pixel.batch import (
     LOG_FROM,
     LOG_TO,
     OUTCOME,
-    REST,
     SILENT,
     Batch,
 )
-from emulator.pixel.batch_events import mismatch_of, pixel_of
+from emulator.pixel.batch_events import mismatch_of, stored_pixel
 from emulator.pixel.noisy.advance import advance_noisy, as_stored, has_settled
 from emulator.pixel.pixel_step import PixelStep, plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel, make_segment
@@ -130,8 +129,8 @@ def step_noisy(
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
-        rest_us = fields[REST + k]
-        pixel = pixel_of(fields, k, np.int64(own.draws & ~MOVED))
+        rest_us = np.float64(np.int32(own.updated_us - times.from_us))
+        pixel = stored_pixel(own, np.int64(own.draws & ~MOVED))
         mismatch = mismatch_of(fields, k)
         log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
         stored_us = sleep_us = float(step_us)

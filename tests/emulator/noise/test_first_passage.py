@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import pbdv
 from scipy.stats import norm
 
-from emulator.noise.first_passage import decay_rate, surprise, surprise_slope
+from emulator.noise.first_passage import decay_rate, sojourn, surprise, surprise_slope
 
 
 def exact_decay_rate(h: float) -> float:
@@ -23,6 +24,14 @@ def exact_decay_rate(h: float) -> float:
 @pytest.mark.parametrize("h", [-3.0, -1.7, -0.4, 0.3, 1.0, 2.2, 3.1, 4.0, 5.2, 6.1, 7.0])
 def test_the_decay_rate_is_the_root_of_the_parabolic_cylinder_function(h: float) -> None:
     assert decay_rate(h) == pytest.approx(exact_decay_rate(h), rel=0.0125)
+
+
+@pytest.mark.parametrize("h", [-5.0, -2.5, -1.7, -0.4, 0.3, 1.0, 2.2, 3.1, 4.0, 5.2, 6.1, 6.9])
+def test_the_sojourn_is_the_integral_of_the_decay_rate(h: float) -> None:
+    slope = (sojourn(h - 1e-4) - sojourn(h + 1e-4)) / 2e-4
+    assert slope == pytest.approx(exact_decay_rate(max(h, -3.0)), rel=0.02)
+    expected = quad(decay_rate, h, 7.0, epsabs=1e-16)[0] + sojourn(7.0)
+    assert sojourn(h) == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("h", np.linspace(-3.0, 7.0, 21))

@@ -1,0 +1,227 @@
+"""The pixels of a batch that fire in a step: the third pass over a batch.
+
+The time of the event is that at which the hazard has used up the clock, by Newton's method. The
+pixel is then reset (`emulator.pixel.noisy.advance.fire`, for many pixels at once) and followed to
+the end of the step. Pixels that have not converged, or that fire again, are left to
+`emulator.pixel.noisy.step`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from emulator.noise.first_passage import surprise, surprise_slope
+from emulator.noise.random_numbers import exponential, gaussian, uniform
+from emulator.pixel.batch import (
+    CHOICE,
+    CLOCK,
+    EARLIEST,
+    EVENT_TIME,
+    GAUSSIAN,
+    LAG,
+    LATEST,
+    LEVEL,
+    MARK,
+    NEW_CHANGE,
+    NEW_CLOCK,
+    NEW_LAG,
+    NEW_LEAK,
+    NEW_SECOND_LAG,
+    OTHER,
+    OUTCOME,
+    RESET,
+    SECOND_LAG,
+    SIDE,
+    SIGMA,
+    SILENT,
+    SINGLE,
+    SPAN,
+    START,
+    THETA_OFF,
+    THETA_ON,
+    USED,
+    Batch,
+    Reals,
+    rounded_up,
+)
+from emulator.pixel.noisy.advance import mark_of
+from emulator.pixel.noisy.near_batch import (
+    course_of,
+    quarter_differences,
+    spend_clocks,
+)
+from emulator.pixel.noisy.passage import (
+    NoisyCourse,
+    hazards_of,
+    mean_difference,
+    mean_diffusion_rate,
+    mean_slope,
+)
+from emulator.pixel.noisy.wake_batch import follow, hold_in_reset
+from emulator.pixel.state import MOVED, PixelModel, PixelState
+from flybench.kernels import compiled, inlined
+
+_NEWTON_STEPS = 6
+_TOLERANCE_US = 0.1
+_CERTAIN = -2.5
+"""Distance in σ from which Newton's method starts if the pixel is nearer at the end: there it has
+nearly always fired."""
+
+
+@compiled
+def solve_events(
+    batch: Batch, state: PixelState, model: PixelModel, count: int, span_us: float
+) -> None:
+    """Compute the events of the `count` pixels that `solve_near` has left."""
+    if count == 0:
+        return
+    own = batch.crossing_fields
+    rounded = rounded_up(count)
+    _draw(batch, state, model, count)
+    _find_quarters(own, model, rounded)
+    for _ in range(_NEWTON_STEPS):
+        _improve_times(own, model, rounded)
+        if not np.any(own[OUTCOME : OUTCOME + count] == OTHER):
+            break
+    for m in range(rounded):
+        own[SPAN + m] = own[EVENT_TIME + m]
+    follow(own, model, rounded)
+    _fire(own, model, rounded)
+    hold_in_reset(own, model, rounded, span_us)
+    spend_clocks(own, model, rounded)
+    follow(own, model, rounded)
+    _return_events(batch, count)
+
+
+@compiled
+def _draw(batch: Batch, state: PixelState, model: PixelModel, count: int) -> None:
+    """Draw the random numbers of the next event of the first `count` pixels."""
+    own = batch.crossing_fields
+    for m in range(count):
+        i = int(batch.indices[batch.crossing[m]])
+        draw = np.int64(state.pixels[i].draws & ~MOVED)
+        own[CHOICE + m] = uniform(model.seed, i, draw)
+        own[NEW_CLOCK + m] = exponential(model.seed, i, draw + 1)
+        own[GAUSSIAN + m] = gaussian(model.seed, i, draw + 2)
+
+
+@inlined
+def _distances(own: Reals, k: int, d: float) -> tuple[float, float]:
+    """Return the distances of d from the ON and the OFF threshold, in units of σ."""
+    per_sigma = 1.0 / own[SIGMA + k]
+    return (own[THETA_ON + k] - d) * per_sigma, (own[THETA_OFF + k] + d) * per_sigma
+
+
+@inlined
+def _hazard_between(
+    own: Reals, k: int, course: NoisyCourse, before: float, after: float, span_us: float
+) -> float:
+    """Return the hazard while d moves steadily from `before` to `after`."""
+    on_before, off_before = _distances(own, k, before)
+    on_after, off_after = _distances(own, k, after)
+    steady = mean_diffusion_rate(course.noise, on_before, on_after)
+    steady += mean_diffusion_rate(course.noise, off_before, off_after)
+    approach = max(surprise(on_after) - surprise(on_before), 0.0)
+    approach += max(surprise(off_after) - surprise(off_before), 0.0)
+    return steady * span_us + approach
+
+
+@compiled
+def _find_quarters(own: Reals, model: PixelModel, count: int) -> None:
+    """Find the quarter of SPAN in which each pixel fires, and a time in it to start from.
+
+    EARLIEST and LATEST are set to the ends of the quarter, LEVEL to d and USED to what is left of
+    the clock at its start, SIDE to the direction of d, and EVENT_TIME to a time in it. If the pixel
+    does not fire, OUTCOME is SILENT, and USED is what the whole of SPAN leaves of the clock.
+    """
+    for k in range(count):
+        course = course_of(own, k, model)
+        quarter_us = 0.25 * own[SPAN + k]
+        d0 = course.start
+        d1, d2, d3, d4 = quarter_differences(course, quarter_us)
+        left1 = own[CLOCK + k] - _hazard_between(own, k, course, d0, d1, quarter_us)
+        left2 = left1 - _hazard_between(own, k, course, d1, d2, quarter_us)
+        left3 = left2 - _hazard_between(own, k, course, d2, d3, quarter_us)
+        left4 = left3 - _hazard_between(own, k, course, d3, d4, quarter_us)
+        late, second, last = left2 > 0.0, left1 > 0.0, left3 > 0.0
+        number = (1.0 if second else 0.0) + (1.0 if late else 0.0) + (1.0 if last else 0.0)
+        left = left3 if last else (left2 if late else (left1 if second else own[CLOCK + k]))
+        low = d3 if last else (d2 if late else (d1 if second else d0))
+        high = d4 if last else (d3 if late else (d2 if second else d1))
+        on_low, off_low = _distances(own, k, low)
+        on_high, off_high = _distances(own, k, high)
+        before = on_low if high > low else off_low
+        after = on_high if high > low else off_high
+        share = min(1.0, (before - _CERTAIN) / (before - min(after, before - 1e-6)))
+        own[EARLIEST + k] = number * quarter_us
+        own[LATEST + k] = (number + 1.0) * quarter_us
+        own[EVENT_TIME + k] = (number + max(share, 0.0)) * quarter_us
+        own[LEVEL + k] = low
+        own[SIDE + k] = 1.0 if high > low else -1.0
+        own[USED + k] = left if left4 <= 0.0 else left4
+        own[OUTCOME + k] = SINGLE if left4 <= 0.0 else SILENT
+
+
+@compiled
+def _improve_times(own: Reals, model: PixelModel, count: int) -> None:
+    """Take one step of Newton's method; OTHER are those that are not yet within the tolerance."""
+    for k in range(count):
+        course = course_of(own, k, model)
+        earliest, s = own[EARLIEST + k], own[EVENT_TIME + k]
+        d, rising = mean_difference(course, s), own[SIDE + k] > 0.0
+        speed = own[SIDE + k] * mean_slope(course, s) / own[SIGMA + k]
+        on_before, off_before = _distances(own, k, own[LEVEL + k])
+        on, off = _distances(own, k, d)
+        steady = mean_diffusion_rate(course.noise, on_before, on)
+        steady += mean_diffusion_rate(course.noise, off_before, off)
+        h_before, h = (on_before, on) if rising else (off_before, off)
+        excess = steady * (s - earliest) + surprise(h) - surprise(h_before) - own[USED + k]
+        slope = steady + max(speed, 0.0) * surprise_slope(h)
+        improved = min(max(s - excess / slope, earliest), own[LATEST + k])
+        near = abs(improved - s) < _TOLERANCE_US
+        own[EVENT_TIME + k] = improved
+        fires = own[OUTCOME + k] != SILENT
+        own[OUTCOME + k] = (SINGLE if near else OTHER) if fires else SILENT
+
+
+@compiled
+def _fire(own: Reals, model: PixelModel, count: int) -> None:
+    """Let the first `count` pixels fire; the new values are those at the time of the event."""
+    for k in range(count):
+        course = course_of(own, k, model)
+        change, leak = own[NEW_CHANGE + k], own[NEW_LEAK + k]
+        d = change + leak
+        h_on, h_off = _distances(own, k, d)
+        speed = mean_slope(course, own[EVENT_TIME + k]) / own[SIGMA + k]
+        on_rate, off_rate = hazards_of(course.noise, h_on, h_off, speed)
+        on = own[CHOICE + k] * (on_rate + off_rate) < on_rate
+        noise = (own[THETA_ON + k] if on else -own[THETA_OFF + k]) - d
+        own[MARK + k] = mark_of(on, change, leak, noise, True)
+        own[LAG + k] = own[NEW_LAG + k] - noise
+        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k]
+        own[CLOCK + k] = own[NEW_CLOCK + k]
+        own[START + k] += own[EVENT_TIME + k]
+        own[EVENT_TIME + k] = own[START + k]
+        own[RESET + k] = model.refractory_us
+
+
+@compiled
+def _return_events(batch: Batch, count: int) -> None:
+    """Copy the results of the first `count` pixels back to their batch."""
+    fields, own = batch.fields, batch.crossing_fields
+    for m in range(count):
+        k = int(batch.crossing[m])
+        outcome = own[OUTCOME + m]
+        fields[OUTCOME + k] = outcome
+        if outcome == SILENT:
+            fields[NEW_CLOCK + k] = own[USED + m]
+        elif own[NEW_CLOCK + m] <= 0.0:
+            fields[OUTCOME + k] = OTHER
+        elif outcome == SINGLE:
+            fields[EVENT_TIME + k] = own[EVENT_TIME + m]
+            fields[MARK + k] = own[MARK + m]
+            fields[NEW_LAG + k] = own[NEW_LAG + m]
+            fields[NEW_SECOND_LAG + k] = own[NEW_SECOND_LAG + m]
+            fields[NEW_CHANGE + k] = own[NEW_CHANGE + m]
+            fields[NEW_LEAK + k] = own[NEW_LEAK + m] - own[RESET + m]
+            fields[NEW_CLOCK + k] = own[NEW_CLOCK + m]
