@@ -153,13 +153,13 @@ def advance_noisy(
     span_us = float(math.ceil(min(span_us, LONGEST_US))) if still else min(span_us, left_us)
     clock = pixel.clock
     if not quiet:
-        steady, approach = piece_hazard(course, mismatch, span_us)
-        if steady + approach >= clock:
-            event_us = passage_us(course, mismatch, clock, steady, span_us)
+        hazard = piece_hazard(course, mismatch, span_us)
+        if hazard >= clock:
+            event_us = passage_us(course, mismatch, clock, span_us)
             event_us = float(math.ceil(event_us)) if still else event_us
             pixel, mark = fire(pixel, segment, mismatch, model, index, event_us, moved)
             return pixel, event_us, mark
-        clock -= steady + approach
+        clock -= hazard
     after = without_event(pixel, segment, model, span_us, exp(-span_us * segment.corner))
     after = Pixel(after.lag, after.change, after.leak, clock, 0.0, after.draws, after.second_lag)
     return after, span_us, NO_EVENT

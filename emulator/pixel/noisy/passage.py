@@ -122,15 +122,6 @@ def mean_diffusion_rate(noise: Noise, before: float, after: float) -> float:
 
 
 @inlined
-def hazard_rate(course: NoisyCourse, mismatch: Mismatch, d: float) -> float:
-    """Return the hazard of both thresholds and of a hot pixel while d does not change [1/µs]."""
-    h_on, h_off = distances(course.noise, mismatch, d)
-    noise = course.noise
-    hot = abs(mismatch.hot_rate)
-    return diffusion_rate(noise, h_on) + diffusion_rate(noise, h_off) + hot
-
-
-@inlined
 def approach_hazard(noise: Noise, mismatch: Mismatch, before: float, after: float) -> float:
     """Return the hazard that d adds as it moves, monotone, from `before` to `after`."""
     on_before, off_before = distances(noise, mismatch, before)
@@ -189,53 +180,56 @@ def piece_us(course: NoisyCourse, mismatch: Mismatch) -> float:
 
 
 @inlined
-def piece_hazard(course: NoisyCourse, mismatch: Mismatch, span_us: float) -> tuple[float, float]:
-    """Return the hazard of a piece: of noise, by Simpson's rule, and of the approach of d."""
-    middle, end = mean_difference(course, 0.5 * span_us), mean_difference(course, span_us)
-    steady = (
-        hazard_rate(course, mismatch, course.start)
-        + 4.0 * hazard_rate(course, mismatch, middle)
-        + hazard_rate(course, mismatch, end)
-    ) * (span_us / 6.0)
-    return steady, approach_hazard(course.noise, mismatch, course.start, end)
+def steady_rate(noise: Noise, mismatch: Mismatch, before: float, after: float) -> float:
+    """Return the mean hazard of noise and of a hot pixel as d moves from `before` to `after`."""
+    on_before, off_before = distances(noise, mismatch, before)
+    on_after, off_after = distances(noise, mismatch, after)
+    rate = mean_diffusion_rate(noise, on_before, on_after)
+    rate += mean_diffusion_rate(noise, off_before, off_after)
+    return rate + abs(mismatch.hot_rate)
 
 
 @inlined
-def passage_us(
-    course: NoisyCourse, mismatch: Mismatch, clock: float, steady: float, span_us: float
-) -> float:
+def piece_hazard(course: NoisyCourse, mismatch: Mismatch, span_us: float) -> float:
+    """Return the hazard of a piece, in which d is taken to move steadily."""
+    end = mean_difference(course, span_us)
+    steady = steady_rate(course.noise, mismatch, course.start, end) * span_us
+    return steady + approach_hazard(course.noise, mismatch, course.start, end)
+
+
+@inlined
+def passage_us(course: NoisyCourse, mismatch: Mismatch, clock: float, span_us: float) -> float:
     """Return the time at which the hazard of a piece has used up the clock [µs].
 
     Newton's method, from the end of the piece: the hazard grows ever faster, so that the steps
-    approach the time from above. A bisection replaces a step that leaves the bracket.
+    approach the time from above. A bisection replaces a step that leaves the bracket. The hazard of
+    noise may grow tenfold in a piece: if it were spread evenly, the events would come too early,
+    with more noise to decay and so more events after them.
 
     Args:
         course: mean difference and noise.
         mismatch: thresholds of the pixel.
         clock: rest of the clock, which the hazard of the whole piece exceeds.
-        steady: hazard of noise in the whole piece, which is spread evenly over it.
         span_us: length of the piece [µs].
     """
-    rate, per_sigma = steady / span_us, 1.0 / course.noise.sigma
+    noise = course.noise
     tolerance_us = max(_TIME_TOLERANCE_US, _RELATIVE_TOLERANCE * span_us)
-    rising = mean_difference(course, span_us) > course.start
-    sign = 1.0 if rising else -1.0
-    theta = mismatch.theta_on if rising else mismatch.theta_off
-    used = surprise((theta - sign * course.start) * per_sigma) + clock
+    sign = 1.0 if mean_difference(course, span_us) > course.start else -1.0
+    on_before, off_before = distances(noise, mismatch, course.start)
+    used = surprise(on_before if sign > 0.0 else off_before) + clock
     low, high, s = 0.0, span_us, span_us
     for _ in range(_ROUNDS_MAX):
-        first, second = exp(-s * course.corner), exp(-s * course.second_corner)
-        d = course.start + course.rate * s
-        d += course.a * (1.0 - first) + course.b * (1.0 - second)
-        slope = course.rate + course.a * course.corner * first
-        slope += course.b * course.second_corner * second
-        h = (theta - sign * d) * per_sigma
-        excess = rate * s + surprise(h) - used
+        d = mean_difference(course, s)
+        h_on, h_off = distances(noise, mismatch, d)
+        h = h_on if sign > 0.0 else h_off
+        excess = steady_rate(noise, mismatch, course.start, d) * s + surprise(h) - used
         if excess > 0.0:
             high = s
         else:
             low = s
-        move = excess / (rate + sign * slope * per_sigma * surprise_slope(h))
+        rate = diffusion_rate(noise, h_on) + diffusion_rate(noise, h_off) + abs(mismatch.hot_rate)
+        speed = sign * mean_slope(course, s) / noise.sigma
+        move = excess / (rate + max(speed, 0.0) * surprise_slope(h))
         s -= move
         if not low <= s <= high:
             s = 0.5 * (low + high)
