@@ -191,7 +191,7 @@ class EventSensor:
         check_luminance(frame)
         self._state = settled_state(frame.ravel(), self._model, self._pixels)
         if self._model.sigma_0 > 0.0:
-            settle(self._state, self._model)
+            settle(self._state, self._model, self._batches[0])
         self._aps.begin(t_us, frame)
         self._first_us = self._last_us = t_us
 

@@ -52,6 +52,7 @@ from emulator.pixel.noisy.near_batch import (
 )
 from emulator.pixel.noisy.passage import (
     NoisyCourse,
+    diffusion_rate,
     hazards_of,
     mean_difference,
     mean_diffusion_rate,
@@ -61,8 +62,11 @@ from emulator.pixel.noisy.wake_batch import follow, hold_in_reset
 from emulator.pixel.state import MOVED, PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 
-_NEWTON_STEPS = 6
+_NEWTON_STEPS = 8
+"""Steps that suffice for nearly all pixels in moving light."""
+
 _TOLERANCE_US = 0.1
+_RELATIVE_TOLERANCE = 1e-5
 _CERTAIN = -2.5
 """Distance in σ from which Newton's method starts if the pixel is nearer at the end: there it has
 nearly always fired."""
@@ -75,22 +79,35 @@ def solve_events(
     """Compute the events of the `count` pixels that `solve_near` has left."""
     if count == 0:
         return
-    own = batch.crossing_fields
-    rounded = rounded_up(count)
-    _draw(batch, state, model, count)
-    _find_quarters(own, model, rounded)
-    for _ in range(_NEWTON_STEPS):
-        _improve_times(own, model, rounded)
-        if not np.any(own[OUTCOME : OUTCOME + count] == OTHER):
-            break
-    for m in range(rounded):
-        own[SPAN + m] = own[EVENT_TIME + m]
-    follow(own, model, rounded)
-    _fire(own, model, rounded)
-    hold_in_reset(own, model, rounded, span_us)
+    own, rounded = batch.crossing_fields, rounded_up(count)
+    fire_and_hold(batch, state, model, count, span_us, _NEWTON_STEPS)
     spend_clocks(own, model, rounded)
     follow(own, model, rounded)
     _return_events(batch, count)
+
+
+@compiled
+def fire_and_hold(
+    batch: Batch, state: PixelState, model: PixelModel, count: int, span_us: float, rounds: int
+) -> None:
+    """Take the first `count` pixels of `crossing_fields` through an event and its reset.
+
+    The reset ends at `span_us` at the latest; START is set to its end. EVENT_TIME is the time of
+    the event, MARK 2·cause + polarity. OUTCOME is SINGLE; OTHER if the time has not converged;
+    SILENT if there is no event in SPAN, and USED is then what it leaves of the clock. Newton's
+    method takes `rounds` steps at most.
+    """
+    own, rounded = batch.crossing_fields, rounded_up(count)
+    _draw(batch, state, model, count)
+    _find_quarters(own, model, rounded)
+    for _ in range(rounds):
+        _improve_times(own, model, rounded)
+        if not np.any(own[OUTCOME : OUTCOME + count] == OTHER):
+            break
+    own[SPAN : SPAN + rounded] = own[EVENT_TIME : EVENT_TIME + rounded]
+    follow(own, model, rounded)
+    _fire(own, model, rounded)
+    hold_in_reset(own, model, rounded, span_us)
 
 
 @compiled
@@ -176,9 +193,11 @@ def _improve_times(own: Reals, model: PixelModel, count: int) -> None:
         steady += mean_diffusion_rate(course.noise, off_before, off)
         h_before, h = (on_before, on) if rising else (off_before, off)
         excess = steady * (s - earliest) + surprise(h) - surprise(h_before) - own[USED + k]
-        slope = steady + max(speed, 0.0) * surprise_slope(h)
+        slope = diffusion_rate(course.noise, on) + diffusion_rate(course.noise, off)
+        slope += max(speed, 0.0) * surprise_slope(h)
         improved = min(max(s - excess / slope, earliest), own[LATEST + k])
-        near = abs(improved - s) < _TOLERANCE_US
+        tolerance_us = max(_TOLERANCE_US, _RELATIVE_TOLERANCE * (own[LATEST + k] - earliest))
+        near = abs(improved - s) < tolerance_us
         own[EVENT_TIME + k] = improved
         fires = own[OUTCOME + k] != SILENT
         own[OUTCOME + k] = (SINGLE if near else OTHER) if fires else SILENT

@@ -2,61 +2,245 @@
 
 A pixel that has looked at the scene for a long time has fired and been reset at random. Its leak
 phase and its noise cannot be drawn from a simple distribution. Each pixel is therefore taken
-through still light before the first sample, as long as its events need to forget the start.
+through still light before the first sample, as long as its events need to forget the start. Many
+pixels are followed at once, each through a span of its own: a short one while its output still
+lags, else to its next event.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from emulator.pixel.noisy.advance import advance_noisy, as_stored
-from emulator.pixel.photoreceptor import log_current
-from emulator.pixel.segment import Mismatch, Pixel, Segment, make_segment
-from emulator.pixel.single_pixel import NO_EVENT
-from emulator.pixel.state import BLOCK, PixelModel, PixelState
+from emulator.noise.leak import leak_drift
+from emulator.noise.photoreceptor_noise import noise_of
+from emulator.pixel.batch import (
+    BATCH,
+    CHANGE,
+    CLOCK,
+    CORNER,
+    DRIFT,
+    EARLIEST,
+    LAG,
+    LATEST,
+    LEAK,
+    NEW_CHANGE,
+    NEW_CLOCK,
+    NEW_LAG,
+    NEW_LEAK,
+    NEW_SECOND_LAG,
+    OUTCOME,
+    RESET,
+    SECOND_LAG,
+    SIGMA,
+    SILENT,
+    SLOPE,
+    SPAN,
+    START,
+    THETA_OFF,
+    THETA_ON,
+    USED,
+    Batch,
+    Reals,
+    rounded_up,
+)
+from emulator.pixel.batch_events import stored_pixel
+from emulator.pixel.noisy.advance import advance_noisy
+from emulator.pixel.noisy.fire_batch import fire_and_hold
+from emulator.pixel.noisy.near_batch import KEPT, spend_clocks
+from emulator.pixel.noisy.wake_batch import follow
+from emulator.pixel.photoreceptor import inverse_tau_per_us, log_current
+from emulator.pixel.segment import Mismatch, make_segment
+from emulator.pixel.state import BLOCK, DRAWS, PixelModel, PixelState
 from flybench.kernels import compiled
+from flybench.portable_math import exp
 
-_SPANS_US = (0.2e6, 0.6e6, 2e6, 6e6, 20e6)
-"""Times after which a pixel may have settled: the longest is that which the leak of the median
-pixel needs from one event to the next (assumed to suffice)."""
+EVENTS, STAGE = EARLIEST, LATEST
+"""Fields for the number of events and of spans so far."""
+
+_MOVED = (
+    LAG,
+    SECOND_LAG,
+    CHANGE,
+    LEAK,
+    CLOCK,
+    THETA_ON,
+    THETA_OFF,
+    DRIFT,
+    CORNER,
+    SIGMA,
+    RESET,
+    START,
+    EVENTS,
+    STAGE,
+)
+"""Fields that a pixel keeps from round to round."""
+
+_SPANS_US = (0.2e6, 0.4e6, 1.4e6, 4e6, 14e6)
+"""Spans after each of which a pixel may have settled. Their sum is the time that the leak of the
+median pixel needs from one event to the next (assumed to suffice)."""
 
 _EVENTS = 16
 """Number of events by which a pixel must have fired to settle before the longest time (assumed)."""
 
+_LAG = 0.05
+"""Lag in σ below which the output follows the leak alone (assumed)."""
+
+_SHORT, _LONG = 1.0, 2.5
+"""Spans while the lag is above σ, and while it is above `_LAG`, in correlation times of the noise:
+long enough to be cheap, short enough for d to be nearly straight (assumed)."""
+
+_NEWTON_STEPS = 24
+"""Most steps of Newton's method: the hazard of a slow leak grows by orders of magnitude."""
+
 
 @compiled
-def run_still(
-    pixel: Pixel, segment: Segment, mismatch: Mismatch, model: PixelModel, index: int
-) -> tuple[Pixel, float, float]:
-    """Take a pixel through still light until it has settled.
+def settle(state: PixelState, model: PixelModel, batch: Batch) -> None:
+    """Let all pixels settle to the luminance of the state, which is changed in place.
 
-    Returns:
-        The state after the last piece of time, and the time from there to the end of settling and
-        from that to the end of the next piece [µs].
+    Args:
+        state: state of all pixels, as drawn.
+        model: constants of the sensor.
+        batch: an empty batch.
     """
-    at_us, events = 0.0, 0
-    for span_us in _SPANS_US:
-        while True:
-            after, spent_us, mark = advance_noisy(
-                pixel, segment, mismatch, model, index, 0.0, True, False
-            )
-            if at_us + spent_us > span_us:
-                break
-            at_us += spent_us
-            pixel = as_stored(after)
-            events += mark != NO_EVENT
-        rest_us, sleep_us = span_us - at_us, at_us + spent_us - span_us
-        if events >= _EVENTS:
-            break
-    return pixel, rest_us, sleep_us
+    for first in range(0, state.pixels.size, BATCH):
+        count = _load(batch, state, model, first)
+        _settle_batch(batch, state, model, count)
+    _plan_sleep(state, model)
 
 
 @compiled
-def settle(state: PixelState, model: PixelModel) -> None:
-    """Let all pixels settle to the luminance of the state, which is changed in place."""
-    pixels, wake_us = state.pixels, state.wake_us
-    for i in range(pixels.size):
-        own = pixels[i]
+def _load(batch: Batch, state: PixelState, model: PixelModel, first: int) -> int:
+    """Load the pixels of a batch that need to settle, from index `first`; return their number.
+
+    Hot pixels fire soon anyway, and dead pixels never.
+    """
+    own, found = batch.fields, 0
+    for i in range(first, min(first + BATCH, state.pixels.size)):
+        pixel = state.pixels[i]
+        if pixel.hot_rate != 0.0 or pixel.theta_on == np.inf:
+            continue
+        dark_lux = pixel.dark_factor * model.dark_lux
+        current_lux = exp(log_current(state.luminance[i] * model.lux_per_cd_m2, dark_lux))
+        corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
+        open_corner = model.corner_per_lux * current_lux
+        batch.indices[found] = i
+        own[LAG + found] = own[SECOND_LAG + found] = own[CHANGE + found] = 0.0
+        own[LEAK + found] = pixel.leak
+        own[CLOCK + found] = pixel.clock
+        own[THETA_ON + found] = pixel.theta_on
+        own[THETA_OFF + found] = pixel.theta_off
+        own[DRIFT + found] = leak_drift(model.leak, current_lux - dark_lux, pixel.leak_factor)
+        own[CORNER + found] = corner
+        own[SIGMA + found] = noise_of(model.sigma_0, corner, open_corner, model.follower_us).sigma
+        own[SLOPE + found] = own[RESET + found] = 0.0
+        own[START + found] = -_SPANS_US[0]
+        own[STAGE + found] = own[EVENTS + found] = 0.0
+        found += 1
+    return found
+
+
+@compiled
+def _settle_batch(batch: Batch, state: PixelState, model: PixelModel, count: int) -> None:
+    """Settle the first `count` pixels of a batch. START runs to 0 at the end of each span."""
+    own, other, firing = batch.fields, batch.crossing_fields, batch.crossing
+    while count > 0:
+        _choose_spans(own, model, rounded_up(count))
+        spend_clocks(own, model, rounded_up(count))
+        follow(own, model, rounded_up(count))
+        found = 0
+        for k in range(count):
+            if own[NEW_CLOCK + k] <= 0.0:
+                firing[found] = k
+                found += 1
+        for field in KEPT:
+            for m in range(found):
+                other[field + m] = own[field + firing[m]]
+        _keep(own, rounded_up(count))
+        fire_and_hold(batch, state, model, found, 0.0, _NEWTON_STEPS)
+        _return_fired(batch, state, found)
+        count = _finish_spans(batch, state, count)
+
+
+@compiled
+def _choose_spans(own: Reals, model: PixelModel, count: int) -> None:
+    """Set SPAN of the first `count` pixels: to the end of their span, or shorter while they lag."""
+    for k in range(count):
+        lag = abs(own[LAG + k]) + abs(own[SECOND_LAG + k])
+        sigma, tau_us = own[SIGMA + k], 1.0 / own[CORNER + k] + model.follower_us
+        piece_us = tau_us * (_SHORT if lag > sigma else _LONG)
+        left_us = -own[START + k]
+        own[SPAN + k] = min(left_us, piece_us) if lag > _LAG * sigma else left_us
+
+
+@compiled
+def _keep(own: Reals, count: int) -> None:
+    """Move the first `count` pixels to the end of their SPAN, where they have not fired."""
+    for k in range(count):
+        own[LAG + k] = own[NEW_LAG + k]
+        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k]
+        own[CHANGE + k] = own[NEW_CHANGE + k]
+        own[LEAK + k] = own[NEW_LEAK + k]
+        own[CLOCK + k] = own[NEW_CLOCK + k]
+        own[START + k] += own[SPAN + k]
+
+
+@compiled
+def _return_fired(batch: Batch, state: PixelState, count: int) -> None:
+    """Copy the first `count` pixels that have fired back; rounding may have kept some silent."""
+    own, other = batch.fields, batch.crossing_fields
+    for m in range(count):
+        k = int(batch.crossing[m])
+        if other[OUTCOME + m] == SILENT:
+            own[CLOCK + k] = other[USED + m]
+            continue
+        own[LAG + k] = other[LAG + m]
+        own[SECOND_LAG + k] = other[SECOND_LAG + m]
+        own[CHANGE + k] = own[LEAK + k] = 0.0
+        own[CLOCK + k] = other[CLOCK + m]
+        own[START + k] = other[START + m]
+        own[RESET + k] = other[RESET + m]
+        own[EVENTS + k] += 1.0
+        state.pixels[batch.indices[k]].draws += DRAWS
+
+
+@compiled
+def _finish_spans(batch: Batch, state: PixelState, count: int) -> int:
+    """Store pixels that have settled, begin the next span of the others; return how many those are.
+
+    A reset is cut short where a span ends and another begins, which is rare.
+    """
+    own, k = batch.fields, 0
+    while k < count:
+        stage = int(own[STAGE + k])
+        if own[START + k] < 0.0:
+            k += 1
+        elif stage + 1 < len(_SPANS_US) and own[EVENTS + k] < _EVENTS:
+            own[STAGE + k] += 1.0
+            own[START + k] = -_SPANS_US[stage + 1]
+            own[RESET + k] = 0.0
+            k += 1
+        else:
+            pixel = state.pixels[batch.indices[k]]
+            pixel.lag = own[LAG + k]
+            pixel.second_lag = own[SECOND_LAG + k]
+            pixel.change = own[CHANGE + k]
+            pixel.leak = own[LEAK + k] - math.ceil(own[RESET + k])
+            pixel.clock = own[CLOCK + k]
+            count -= 1
+            batch.indices[k] = batch.indices[count]
+            for field in _MOVED:
+                own[field + k] = own[field + count]
+    return count
+
+
+@compiled
+def _plan_sleep(state: PixelState, model: PixelModel) -> None:
+    """Let each pixel sleep to its next event or to the end of a piece of time."""
+    wake_us = state.wake_us
+    for i in range(state.pixels.size):
+        own = state.pixels[i]
         mismatch = Mismatch(
             np.float64(own.theta_on),
             np.float64(own.theta_off),
@@ -64,21 +248,11 @@ def settle(state: PixelState, model: PixelModel) -> None:
             own.dark_factor * model.dark_lux,
             np.float64(own.leak_factor),
         )
-        lux = state.luminance[i] * model.lux_per_cd_m2
-        level = log_current(lux, mismatch.dark_lux)
+        level = log_current(state.luminance[i] * model.lux_per_cd_m2, mismatch.dark_lux)
         segment = make_segment(model, mismatch, level, level, 1.0)
-        fresh = Pixel(
-            0.0, 0.0, np.float64(own.leak), np.float64(own.clock), 0.0, np.int64(own.draws), 0.0
-        )
-        pixel, rest_us, sleep_us = run_still(fresh, segment, mismatch, model, i)
-        own.lag = pixel.lag
-        own.change = pixel.change
-        own.leak = -pixel.reset_us if pixel.reset_us > 0.0 else pixel.leak
-        own.clock = pixel.clock
-        own.draws = pixel.draws
-        own.updated_us = np.int32(-rest_us)
+        pixel = stored_pixel(own, np.int64(own.draws))
+        _, sleep_us, _ = advance_noisy(pixel, segment, mismatch, model, i, 0.0, True, False)
         wake_us[i] = np.int32(sleep_us)
-        own.second_lag = pixel.second_lag
     for block in range(state.block_wake_us.size):
         first = block * BLOCK
         state.block_wake_us[block] = wake_us[first : first + BLOCK].min()
