@@ -124,5 +124,5 @@ def population_estimate(
 def sum_to_noise(opponent: F64) -> float:
     """Return |Σd| / √Σd² of the opponent responses d of cells; 0 if none responds."""
     d = opponent.ravel()
-    power = float(d @ d)
+    power = float(np.square(d).sum())  # BLAS would start threads for a grid of cells
     return abs(float(d.sum())) / math.sqrt(power) if power > 0.0 else 0.0
