@@ -34,6 +34,7 @@ from detector.fly.model_variants import Attention
 
 FLY, WIDE, ROBUST = "fly", "wide", "robust"
 FLY_EVERYWHERE, WIDE_EVERYWHERE = "fly-no-attention", "wide-no-attention"
+ROBUST_EVERYWHERE = "robust-no-attention"
 FRAME_FLY, CONTRAST, PLANE_FIT = "frame-fly", "contrast-maximisation", "plane-fit"
 EDGE_INFORMED = "edge-informed-contrast"
 SPACE_TIME, SPIKING, TIME_DIFFERENCE = "space-time-filters", "spiking-delays", "time-difference"
@@ -145,6 +146,17 @@ _ENTRIES = (
         label="event-driven fly, robust",
         colour="#009CB4",
         marker="*",
+        without_attention=ROBUST_EVERYWHERE,
+    ),
+    DetectorEntry(
+        name=ROBUST_EVERYWHERE,
+        factory=FlyDetector,
+        config=replace(FlyConfig.preset("robust"), attention=Attention.EVERYWHERE),
+        family=Family.EVENT_FLY,
+        label="event-driven fly, robust, no attention",
+        colour="#A8249C",
+        marker="8",
+        in_study=False,
     ),
     DetectorEntry(
         name=FRAME_FLY,

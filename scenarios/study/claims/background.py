@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import fmean
 
-from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, WIDE
+from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, ROBUST, WIDE
 from scenarios.study.claims.claim import (
     Claim,
     Verdict,
@@ -54,8 +54,9 @@ def background_is_suppressed(rows: Sequence[Row]) -> Claim:
     )
     if all(row[CORRECT] == 1.0 for row in select(own, method=FLY_EVERYWHERE)):
         evidence += " Every step is correct without attention, so that there is nothing to gain."
-    if (wide := attention_gain(own, WIDE)) is not None:
-        evidence += f" For the fly with several delays the difference is {_points(wide)}."
+    for method in (WIDE, ROBUST):
+        if (gain := attention_gain(own, method)) is not None:
+            evidence += f" For {method} the difference is {_points(gain)}."
     return Claim(statement, where, _verdict(overall, better, worse), evidence, _tables(own))
 
 

@@ -57,7 +57,7 @@ def test_the_entries_without_attention_differ_in_nothing_else() -> None:
         for entry in DETECTORS.values()
         if entry.without_attention is not None
     }
-    assert set(pairs) == {"fly", "wide"}
+    assert set(pairs) == {"fly", "wide", "robust"}
     for name, other in pairs.items():
         expected = replace(DETECTORS[name].config, attention=Attention.EVERYWHERE)
         assert other.config == expected

@@ -10,6 +10,8 @@ from scenarios.pipeline.registry import (
     FLY,
     FLY_EVERYWHERE,
     FRAME_FLY,
+    ROBUST,
+    ROBUST_EVERYWHERE,
 )
 from scenarios.study.claims import direction as direction
 from scenarios.study.claims import response as response
@@ -238,11 +240,24 @@ def test_the_gain_of_attention_is_paired_by_sequence_and_seed() -> None:
         ),
     )
     assert "nothing to gain" not in claim.evidence
+    assert "For robust" not in claim.evidence
     sure = make_table()
     for row in sure:
         if row["background"] != STILL:
             row["accuracy_after_100ms"] = 1.0
     assert "nothing to gain" in background_is_suppressed(sure).evidence
+
+
+def test_the_gain_of_the_other_flies_is_reported_where_they_ran() -> None:
+    rows = make_table()
+    rows += [
+        make_row(DAY, SPEEDS[0], method, seed, "wind") | {"accuracy_after_100ms": right}
+        for method, right in ((ROBUST, 0.9), (ROBUST_EVERYWHERE, 0.65))
+        for seed in (0, 1)
+    ]
+    claim = background_is_suppressed(rows)
+    assert "For robust the difference is 25 percentage points." in claim.evidence
+    assert "For wide" not in claim.evidence
 
 
 def test_a_sensor_is_judged_by_its_own_rows() -> None:
