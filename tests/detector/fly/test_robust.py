@@ -17,11 +17,18 @@ from detector.fly.detector import FlyDetector
 from flybench.direction import CARDINAL, Direction
 from flybench.events import Events
 from tests.detector.drawn_shapes import flickering_scene, moving_shape, turning_bar
+from tests.detector.fly.row_of_balls import ball_behind_a_row
 from tests.detector.stimuli import HEIGHT, WIDTH, hot_pixels, merged, noise
 
 SETTLED_US = 100_000
 SHAPES, SPEEDS_PX_S = ("ellipse", "triangle", "frame", "bar"), (66, 90, 210, 430, 860, 1450)
 TILTS_DEG, EVENTS_PER_EDGE, NOISE_HZ = (-33, -12, 6, 28), (1, 2, 4, 5), (0.0, 3.0, 10.0)
+OPPOSITE = {
+    Direction.RIGHT: Direction.LEFT,
+    Direction.LEFT: Direction.RIGHT,
+    Direction.UP: Direction.DOWN,
+    Direction.DOWN: Direction.UP,
+}
 SEED = 1000
 """First seed of the stimuli that judge."""
 
@@ -102,6 +109,19 @@ def test_the_other_presets_answer_an_oblique_bar_sideways() -> None:
         found = shares(estimates(preset, events, until_us), Direction.RIGHT)[1]
         wrong[preset] = max(wrong[preset], found)
     assert max(wrong.values()) >= 0.3
+
+
+@pytest.mark.parametrize("enters_us", [10_000, 30_000, 60_000])
+@pytest.mark.parametrize("direction", CARDINAL)
+def test_a_ball_behind_a_row_of_balls_is_never_named_opposite(
+    direction: Direction, enters_us: int
+) -> None:
+    """For one delay, the row then and the ball now look like motion from the row to the ball."""
+    events, until_us = ball_behind_a_row(direction, enters_us=enters_us, seed=SEED)
+    named = [e.direction for e in estimates("robust", events, until_us)]
+    assert named[0] is Direction.NONE
+    assert set(named[1:]) == {direction}
+    assert OPPOSITE[direction] in {e.direction for e in estimates("paper", events, until_us)}
 
 
 @pytest.mark.parametrize("frequency_hz", [100.0, 120.0])
