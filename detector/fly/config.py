@@ -79,6 +79,9 @@ class FlyConfig:
         crowd_share: least height of the saliency maximum above its mean that draws attention, as a
             share of the activity beyond that of noise. It is for flickering light, which makes the
             whole field active; 0: no such floor, as in the paper.
+        integration_us: time constant of the low-pass of the tangential cells [µs], which keeps the
+            direction of a target while a turning wheel or an oblique edge of it comes into view. 0:
+            none, as in the paper.
         normalisation: how a response is mapped into (−1, 1). Sigmoid over cells (assumed).
         response_scale: response per grid cell that scales the sigmoid. One value serves day and
             night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, slower and
@@ -130,6 +133,7 @@ class FlyConfig:
     saliency_radius_cells: int = 8
     saliency_floor: float = 0.1
     crowd_share: float = 0.0
+    integration_us: int = 0
     normalisation: Normalisation = Normalisation.CELLS
     response_scale: float = 3.0
     snr_floor: float = 3.0
@@ -148,7 +152,10 @@ class FlyConfig:
 
     @property
     def memory_us(self) -> int:
-        """Age of the oldest event in an estimate: window plus longest delay [µs]."""
+        """Age of the oldest event in an estimate: window plus longest delay [µs].
+
+        The low-pass of the tangential cells only weighs earlier estimates, and does not count.
+        """
         return (self.window_hops + max(self.delays_hops)) * self.hop_us
 
     @property
@@ -278,6 +285,7 @@ _RANGES: dict[str, Range] = {
     "saliency_radius_cells": Range(0, 50),
     "saliency_floor": Range(0.0, 1000.0),
     "crowd_share": Range(0.0, 1.0),
+    "integration_us": Range(0, 10_000_000),
     "response_scale": Range(1e-6, 1000.0),
     "snr_floor": Range(0.0, 1000.0),
     "share_floor": Range(0.0, 1.0),
@@ -309,6 +317,7 @@ PRESETS = {
         receptive_fields=ReceptiveFields.DISTANCE,
         saliency_floor=0.0008,
         crowd_share=0.1,
+        integration_us=80_000,
         normalisation=Normalisation.ALL,
         snr_floor=3.5,
         share_floor=0.012,

@@ -36,6 +36,7 @@ from detector.fly.state import (
 )
 from detector.fly.tangential import (
     DirectionSums,
+    LeakyIntegrator,
     horizontal_system,
     lobula_plate,
     normalise,
@@ -112,6 +113,7 @@ class FlyDetector:
         left, top = self._surfaces.origin_px
         image_centre = (width / 2 - left) / c.cell_px - 0.5, (height / 2 - top) / c.cell_px - 0.5
         self._centre = ViewCentre(c, grid=grid, image_centre=image_centre)
+        self._integrated = LeakyIntegrator(time_constant_us=c.integration_us, hop_us=c.hop_us)
         self._hop = 0
         self._now_us: int | None = None
         self._blank_maps = FlyMaps.blank(grid, cell_px=c.cell_px, origin_px=(left, top))
@@ -169,6 +171,7 @@ class FlyDetector:
             "fly": {"hop": np.array(self._hop), "now_us": np.array(now_us)},
             "surfaces": self._surfaces.state(),
             "centre": self._centre.state(),
+            "tangential": self._integrated.state(),
         }
         header = state_header(self.config, width=self._width, height=self._height)
         return header | join_parts(parts)
@@ -194,6 +197,7 @@ class FlyDetector:
         surfaces, centre = part_of(state, "surfaces"), part_of(state, "centre")
         self._centre.check(centre)
         self._surfaces.restore(surfaces, now_us=max(now_us, 0))
+        self._integrated.restore(part_of(state, "tangential"))
         self._centre.restore(centre)
         self._hop, self._now_us = hop, None if now_us < 0 else now_us
         self.maps = self._blank_maps
@@ -219,6 +223,7 @@ class FlyDetector:
     def _forget(self) -> None:
         """Return to the initial state, as of a new fly."""
         self._surfaces.forget()
+        self._integrated.rest()
         self._centre.release()
         self.maps = self._blank_maps
 
@@ -234,7 +239,7 @@ class FlyDetector:
             self.maps = self._blank_maps
         else:
             self.maps = self._compute_maps(on, off)
-        lp = lobula_plate(self.maps.motion, self.maps.attended)
+        lp = self._integrated(lobula_plate(self.maps.motion, self.maps.attended))
         response = horizontal_system(lp), vertical_system(lp)
         hs, vs = self._normalise(response, lp)
         snr = signal_to_noise(self.maps.motion, self.maps.attended)

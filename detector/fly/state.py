@@ -16,7 +16,7 @@ from detector.fly.config import FlyConfig
 State = dict[str, npt.NDArray[Any]]
 """Arrays without Python objects; `np.savez(path, **state)` or `pickle` saves them."""
 
-_FORMAT = 2
+_FORMAT = 3
 _REMEDY = "Pass everything that FlyDetector.state() returned, unchanged."
 
 

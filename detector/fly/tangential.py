@@ -6,15 +6,18 @@ Direction maps are the planes right, left, up and down of T4 + T5, (4, rows, col
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from detector.decision import clip_to_open_interval, sum_to_noise
+from detector.errors import StateError
 from detector.fly.correlation import DOWN, LEFT, RIGHT, UP
 
 DirectionSums = tuple[float, float, float, float]
 """LP of right, left, up and down."""
+_SILENCE: DirectionSums = (0.0, 0.0, 0.0, 0.0)
 
 
 def lobula_plate(maps: npt.NDArray[np.float32], attended: npt.NDArray[np.bool_]) -> DirectionSums:
@@ -32,6 +35,57 @@ def lobula_plate(maps: npt.NDArray[np.float32], attended: npt.NDArray[np.bool_])
     """
     right, left, up, down = maps.sum(axis=(1, 2), dtype=np.float64, where=attended)
     return float(right), float(left), float(up), float(down)
+
+
+class LeakyIntegrator:
+    """Low-pass of the sums over the region, as a membrane has it."""
+
+    def __init__(self, *, time_constant_us: int, hop_us: int) -> None:
+        """Start at rest.
+
+        Args:
+            time_constant_us: time constant [µs]; 0: none, the sums stay as they are.
+            hop_us: step between estimates [µs].
+        """
+        self._gain = -math.expm1(-hop_us / time_constant_us) if time_constant_us else 1.0
+        self._sums: DirectionSums = _SILENCE
+
+    def state(self) -> dict[str, npt.NDArray[Any]]:
+        """Return everything that changes, as arrays by name."""
+        return {"sums": np.array(self._sums)}
+
+    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Continue from a `state` of an integrator with the same configuration.
+
+        Raises:
+            StateError: a sum is negative.
+        """
+        right, left, up, down = state["sums"].tolist()
+        if min(right, left, up, down) < 0.0:
+            raise StateError(
+                f"The sums of the state are {state['sums'].tolist()}. Allowed are 0 or more. Pass "
+                "everything that FlyDetector.state() returned, unchanged."
+            )
+        self._sums = right, left, up, down
+
+    def rest(self) -> None:
+        """Return to the initial state."""
+        self._sums = _SILENCE
+
+    def __call__(self, lp: DirectionSums) -> DirectionSums:
+        """Return the low-pass of the sums up to now; at rest again if nothing responds.
+
+        Args:
+            lp: LP of right, left, up and down; see `lobula_plate`.
+        """
+        if not any(lp):
+            self.rest()
+            return self._sums
+        right, left, up, down = (
+            before + self._gain * (now - before) for before, now in zip(self._sums, lp, strict=True)
+        )
+        self._sums = right, left, up, down
+        return self._sums
 
 
 def horizontal_system(lp: DirectionSums) -> float:

@@ -124,11 +124,30 @@ def test_a_ball_behind_a_row_of_balls_is_never_named_opposite(
     assert OPPOSITE[direction] in {e.direction for e in estimates("paper", events, until_us)}
 
 
+@pytest.mark.parametrize("speed_px_s", [90, 300, 800])
+def test_a_new_direction_is_named_after_a_tenth_of_a_second(speed_px_s: float) -> None:
+    """The low-pass of the tangential cells delays it by some 60 ms, from 5 to 25 ms."""
+    before, turns_us = moving_shape(
+        "ellipse", Direction.RIGHT, speed_px_s=speed_px_s, events_per_edge=2, seed=SEED
+    )
+    after, length_us = moving_shape(
+        "ellipse", Direction.LEFT, speed_px_s=speed_px_s, events_per_edge=2, seed=SEED
+    )
+    later = after.copy()
+    later["t"] += turns_us
+    found = estimates("robust", merged(before, later), turns_us + length_us)
+    named = [e.t_us - turns_us for e in found if e.direction is Direction.LEFT]
+    assert min(named) <= 100_000
+    assert len(named) >= (length_us - 100_000) // 5_000
+
+
 @pytest.mark.parametrize("frequency_hz", [100.0, 120.0])
 def test_flicker_has_no_direction(frequency_hz: float) -> None:
     events, until_us = flickering_scene(frequency_hz=frequency_hz, seed=SEED)
     assert shares(estimates("robust", events, until_us), Direction.NONE)[0] == 1.0
-    config = replace(FlyConfig.preset("robust"), mains_notch=False, crowd_share=0.0)
+    config = replace(
+        FlyConfig.preset("robust"), mains_notch=False, crowd_share=0.0, integration_us=0
+    )
     fly = FlyDetector(config)
     without = shares(fly.push(events) + fly.advance(until_us), Direction.NONE)[0]
     assert without < 0.9

@@ -6,8 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from detector.errors import StateError
 from detector.fly.correlation import LEFT, RIGHT
 from detector.fly.tangential import (
+    DirectionSums,
+    LeakyIntegrator,
     horizontal_system,
     lobula_plate,
     normalise,
@@ -88,3 +91,40 @@ def test_signal_to_noise_of_random_signs_has_unit_variance() -> None:
         for row in signs
     ]
     assert np.mean(np.square(ratios)) == pytest.approx(1.0, abs=0.1)
+
+
+def integrate(*sums: DirectionSums) -> list[DirectionSums]:
+    integrator = LeakyIntegrator(time_constant_us=40_000, hop_us=10_000)
+    return [integrator(lp) for lp in sums]
+
+
+def test_the_low_pass_approaches_a_constant_by_its_time_constant() -> None:
+    found = integrate(*[(8.0, 0.0, 2.0, 1.0)] * 4)
+    expected = 8.0 * (1.0 - np.exp(-np.arange(1, 5) / 4.0))
+    assert [lp[0] for lp in found] == pytest.approx(expected.tolist())
+
+
+def test_a_short_surplus_of_another_direction_does_not_win() -> None:
+    right, down = (3.0, 1.0, 1.0, 2.0), (2.0, 1.0, 1.0, 3.0)
+    found = integrate(*[right] * 4, down)
+    assert all(horizontal_system(lp) > vertical_system(lp) for lp in found)
+    assert vertical_system(down) > horizontal_system(down)
+
+
+def test_the_low_pass_rests_when_nothing_responds() -> None:
+    silence, motion = (0.0, 0.0, 0.0, 0.0), (0.0, 5.0, 0.0, 0.0)
+    found = integrate(motion, silence, motion)
+    assert found[1] == silence
+    assert found[2] == found[0]
+
+
+def test_without_a_time_constant_the_sums_stay_as_they_are() -> None:
+    integrator = LeakyIntegrator(time_constant_us=0, hop_us=10_000)
+    for lp in ((5.0, 2.0, 1.0, 8.0), (1.0, 3.0, 0.0, 0.5)):
+        assert integrator(lp) == lp
+
+
+def test_negative_sums_of_a_state_are_refused() -> None:
+    integrator = LeakyIntegrator(time_constant_us=40_000, hop_us=10_000)
+    with pytest.raises(StateError, match="Allowed are 0 or more"):
+        integrator.restore({"sums": np.array([0.0, -1.0, 0.0, 0.0])})
