@@ -144,7 +144,7 @@ def warm_up(detector: TimedDetector, *, width: int, height: int) -> None:
 def _moving_bar(width: int, height: int) -> tuple[Events, list[ApsFrame]]:
     """Return synthetic events and frames of a moving bar with a rough edge."""
     rng = np.random.default_rng(0)
-    number = 20_000
+    number = 90_000  # dense enough for fits of planes
     events = np.empty(number, EVENT_DTYPE)
     events["t"] = np.sort(rng.integers(_WARM_UP_US, size=number))
     at = events["t"] * 1e-6 * _WARM_UP_PX_S + rng.choice([0, 11, 23], number)

@@ -45,6 +45,14 @@ def test_a_warm_up_gives_estimates_and_counts_time_and_events(method: str) -> No
     assert (detector.maps is not None) == (method == FLY)
 
 
+def test_a_warm_up_has_edges_to_which_planes_fit() -> None:
+    """Otherwise the solver of their velocities is compiled in the first sequence."""
+    size: Any = {"width": 346, "height": 260}
+    detector = make_timed_detector(PLANE_FIT, 0, **size)
+    warm_up(detector, **size)
+    assert any(e.response != (0.0, 0.0) for e in detector.estimates)
+
+
 def test_contrast_maximisation_has_the_hop_of_the_study() -> None:
     detector = make_timed_detector(CONTRAST, 0, contrast_hop_us=25_000, **SIZE)
     assert detector.config is not None
