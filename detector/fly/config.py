@@ -80,8 +80,8 @@ class FlyConfig:
             share of the activity beyond that of noise. It is for flickering light, which makes the
             whole field active; 0: no such floor, as in the paper.
         integration_us: time constant of the low-pass of the tangential cells [µs], which keeps the
-            direction of a target while a turning wheel or an oblique edge of it comes into view. 0:
-            none, as in the paper.
+            direction of a target while little but an oblique part of it is in view, or the camera
+            shakes. 0: none, as in the paper.
         normalisation: how a response is mapped into (−1, 1). Sigmoid over cells (assumed).
         response_scale: response per grid cell that scales the sigmoid. One value serves day and
             night: with 3, simulated crossings at 0.9 rad/s (day, night) and 3.0 rad/s, slower and
