@@ -185,3 +185,20 @@ def test_real_recordings_can_be_read_and_scored(name: str, tmp_path: Path) -> No
         window = recording.windows[int(row["window"]) - 1]
         if window.to_us is not None:  # a step every 10 ms, to the end of the window
             assert int(row["steps"]) == (window.to_us - window.from_us) // 10_000
+
+
+@pytest.mark.skipif(REAL is None, reason="FLYBENCH_RECORDINGS names no folder")
+def test_robust_holds_on_real_recordings_however_they_are_turned(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert execute(Validate(folder=Path(str(REAL)), out=out, method=("robust",))) == 0
+    shares: dict[str, list[float]] = {}
+    variants: dict[tuple[str, str], set[tuple[str, str]]] = {}
+    for row in rows_of(out):
+        shares.setdefault(row["recording"], []).append(int(row["right"]) / int(row["steps"]))
+        window = row["recording"], row["window"]
+        variants.setdefault(window, set()).add((row["right"], row["wrong"]))
+        assert row["verdict"] == (row["truth"] if row["truth"] != "none" else "nothing moves")
+    assert {window: len(found) for window, found in variants.items()} == dict.fromkeys(variants, 1)
+    assert min(shares["cradle"]) >= 0.95
+    assert min(shares["pipe"]) >= 0.9
+    assert shares["lab"] == [1.0] * len(TURNS)
