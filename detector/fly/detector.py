@@ -195,9 +195,11 @@ class FlyDetector:
                 "FlyDetector.state() returned, unchanged."
             )
         surfaces, centre = part_of(state, "surfaces"), part_of(state, "centre")
+        tangential = part_of(state, "tangential")
         self._centre.check(centre)
+        self._integrated.check(tangential)
         self._surfaces.restore(surfaces, now_us=max(now_us, 0))
-        self._integrated.restore(part_of(state, "tangential"))
+        self._integrated.restore(tangential)
         self._centre.restore(centre)
         self._hop, self._now_us = hop, None if now_us < 0 else now_us
         self.maps = self._blank_maps

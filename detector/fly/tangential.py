@@ -54,18 +54,21 @@ class LeakyIntegrator:
         """Return everything that changes, as arrays by name."""
         return {"sums": np.array(self._sums)}
 
-    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
-        """Continue from a `state` of an integrator with the same configuration.
+    def check(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Refuse a state that no integrator returns.
 
         Raises:
             StateError: a sum is negative.
         """
-        right, left, up, down = state["sums"].tolist()
-        if min(right, left, up, down) < 0.0:
+        if (state["sums"] < 0.0).any():
             raise StateError(
                 f"The sums of the state are {state['sums'].tolist()}. Allowed are 0 or more. Pass "
                 "everything that FlyDetector.state() returned, unchanged."
             )
+
+    def restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        """Continue from a `state` of an integrator with the same configuration."""
+        right, left, up, down = state["sums"].tolist()
         self._sums = right, left, up, down
 
     def rest(self) -> None:

@@ -16,7 +16,7 @@ from flybench.direction import Direction
 from flybench.events import Events
 from tests.detector.stimuli import crossing, merged, noise, textured_box
 
-PRESETS = [FlyConfig.preset("paper"), FlyConfig.preset("wide")]
+PRESETS = [FlyConfig.preset(name) for name in ("paper", "wide", "robust")]
 
 
 @cache

@@ -127,4 +127,4 @@ def test_without_a_time_constant_the_sums_stay_as_they_are() -> None:
 def test_negative_sums_of_a_state_are_refused() -> None:
     integrator = LeakyIntegrator(time_constant_us=40_000, hop_us=10_000)
     with pytest.raises(StateError, match="Allowed are 0 or more"):
-        integrator.restore({"sums": np.array([0.0, -1.0, 0.0, 0.0])})
+        integrator.check({"sums": np.array([0.0, -1.0, 0.0, 0.0])})
