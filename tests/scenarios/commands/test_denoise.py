@@ -33,7 +33,7 @@ def test_filters_and_detectors_are_measured_by_illuminance(
 ) -> None:
     assert quick(tmp_path / "out").execute() == 0
     printed = capsys.readouterr().out
-    for words in ("AUC", "right steps", "stcf", "30000", "plane-fit"):
+    for words in ("AUC", "right steps", "stcf", "30000", "plane fit"):
         assert words in printed
     filters = read(tmp_path / "out" / "filters.csv")
     assert [(row["illuminance_lux"], row["filter"]) for row in filters] == [
