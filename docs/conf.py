@@ -30,7 +30,7 @@ extensions = [
     "unbroken_units",
 ]
 exclude_patterns = ["_build", "gallery", "**/.ipynb_checkpoints"]
-exclude_patterns += ["auto_gallery/**/*.ipynb", "sg_execution_times.rst"]  # by-products of the gallery
+exclude_patterns += ["auto_gallery/**/*.ipynb", "sg_execution_times.rst"]  # the gallery makes them
 nitpicky = True
 OURS = r"(?:flybench|sim|emulator|detector|formats|scenarios)\b"
 nitpick_ignore_regex = [("py:.*", rf"(?!{OURS}).*"), ("py:obj", ".*")]
