@@ -11,7 +11,8 @@ import pytest
 
 from scenarios.datasets.slicing import read_events
 
-PAGE = Path(__file__).parents[3] / "docs" / "explanation" / "datasets.md"
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "explanation" / "datasets.md"
 
 
 def test_the_documented_loader_runs(root: Path, tmp_path: Path) -> None:
@@ -62,8 +63,8 @@ def test_the_example_trains_a_network_that_is_a_detector(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("torch")
-    repository, weights = PAGE.parents[1], tmp_path / "network.pt"
-    script = repository / "examples" / "learned_direction" / "train.py"
+    weights = tmp_path / "network.pt"
+    script = ROOT / "examples" / "learned_direction" / "train.py"
     done = subprocess.run(
         [sys.executable, str(script), str(root), "--weights", str(weights), "--step", "1"],
         capture_output=True,
@@ -79,7 +80,7 @@ def test_the_example_trains_a_network_that_is_a_detector(
     from scenarios.pipeline.user_detectors import find_method
 
     monkeypatch.setenv("LEARNED_DIRECTION", str(weights))
-    monkeypatch.chdir(repository)
+    monkeypatch.chdir(ROOT)
     method = find_method("examples.learned_direction.network:LearnedDirection")
     estimates = method.make(width=97, height=65).advance(100_000)
     assert [estimate.direction for estimate in estimates] == ["none"] * 10
