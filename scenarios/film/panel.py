@@ -16,7 +16,6 @@ from scenarios.film.curves import HEIGHT_PX, Curves
 from scenarios.film.material import Box, Material
 from scenarios.film.playback import Moment
 from scenarios.output.colours import OFF, ON, Rgb
-from scenarios.styles.method_style import method_style
 
 BLACK, WHITE = (0, 0, 0), (255, 255, 255)
 _HEAD_PX, _LEGEND_PX = 22, 20
@@ -101,9 +100,8 @@ class Panel:
         x = 4.0
         for colour, name in ((ON, "ON"), (OFF, "OFF")):
             x = _legend_entry(pen, x, y, name, fill=colour)
-        method = self._material.estimates.method
-        if method is not None and any(self._material.estimates.region.values):
-            x = _legend_entry(pen, x, y, f"region of {printable(method_style(method).label)}")
+        if any(self._material.estimates.region.values):
+            x = _legend_entry(pen, x, y, "attended region")
         if self._material.truth is not None:
             _legend_entry(pen, x, y, "truth", dash_px=3)
 
