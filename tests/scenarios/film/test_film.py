@@ -14,7 +14,7 @@ from scenarios.errors import ScenarioError
 from scenarios.film.film import Chapter, FilmOptions, speed_text
 from scenarios.film.from_events import read_truth
 from scenarios.film.from_rerun import rerun_material
-from scenarios.film.material import Estimates, Material, Part
+from scenarios.film.material import Estimates, Material, Part, Truth
 from scenarios.film.playback import moments
 from scenarios.film.track import Track
 from scenarios.output.colours import OFF, ON
@@ -60,6 +60,25 @@ def test_the_image_has_each_polarity_in_its_colour_above_the_frame() -> None:
     assert area[4, 3].tolist() == list(ON)
     assert area[8, 7].tolist() == list(OFF)
     assert area[100, 100].tolist() == [255, 255, 255]  # the brightest grey level
+
+
+def test_the_legend_has_room_whatever_the_method_is_called() -> None:
+    region = Track[tuple[int, int, int, int] | None]([0], [(10, 20, 30, 40)])
+    shown = material(
+        (events_at(0, 5), ()),
+        estimates=Estimates(
+            "robust-no-attention",
+            hs=Track([0], [0.1]),
+            vs=Track([0], [0.0]),
+            direction=Track([0], ["right"]),
+            region=region,
+        ),
+        truth=Truth(Track([0], ["right"]), Track([0], [(10, 20, 30, 40)])),
+    )
+    (image,) = Chapter([shown], FilmOptions(speed=1, fps=25, window_us=10, scale=1)).images()
+    legend = image[22 + HEIGHT : 22 + HEIGHT + 20]
+    assert (legend[:, :300] < 128).any()
+    assert (legend[:, -10:] == 255).all()
 
 
 def test_recordings_side_by_side_end_with_the_longest() -> None:
