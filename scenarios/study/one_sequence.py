@@ -159,7 +159,7 @@ def _recorder(task: SequenceTask, path: Path, crossing: Crossing) -> SequenceRec
         parameters=parameters | {"methods": ", ".join(task.methods)},
         methods=task.methods,
         maps_of=next((method for method in task.methods if is_fly(method)), None),
-        name=f"{c.lighting} {c.omega_rad_s:.2f}",
+        name=f"{c.lighting} {c.omega_rad_s:.2f} rad/s",
         one_of_several=True,
     )
 
