@@ -79,10 +79,10 @@ def reserve_entities(model: mujoco.MjModel) -> Entities:
         if total + count > MAX_ENTITIES:
             raise RendererError(
                 f"a renderer of this model needs {count} entities of Filament, and {total} are in "
-                f"use, or not free yet because one of {len(still_open)} open renderers has not "
-                f"drawn for long. Allowed are {MAX_ENTITIES} in a process. Close renderers that no "
-                "longer draw: photometric cameras, and samples of a crossing that were not read to "
-                "their end."
+                f"use (open renderers: {len(still_open)}). Those of closed renderers are free once "
+                f"every open one has drawn again. Allowed are {MAX_ENTITIES} in a process. Close "
+                "renderers that no longer draw: photometric cameras, and samples of a crossing "
+                "that were not read to their end."
             )
         entities = Entities(count)
         _used.append(entities)

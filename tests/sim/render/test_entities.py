@@ -49,7 +49,7 @@ def test_an_idle_renderer_ends_in_an_error_until_it_draws_or_closes() -> None:
         draw_and_close()
         draw_and_close()
         with pytest.raises(
-            RendererError, match=f"needs {COUNT} entities of Filament, and .* 1 open"
+            RendererError, match=f"needs {COUNT} entities of Filament, and .*renderers: 1"
         ):
             draw_and_close()
         draw(idle)
