@@ -29,31 +29,18 @@ def test_elsewhere_each_phase_is_one_line(capsys: pytest.CaptureFixture[str]) ->
     ]
 
 
+@pytest.mark.parametrize(("unit", "shown"), [("", ""), (" MB", "10 MB: ")], ids=["plain", "note"])
 def test_elsewhere_a_long_phase_has_a_line_for_each_tenth(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    unit: str, shown: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now_s = iter(range(1000))
     monkeypatch.setattr(time, "perf_counter", lambda: float(next(now_s)))
     with progress_bar() as bars:
         advance = bars.track("study")
         for done in range(1, 51):
-            advance(done, 100)
+            advance(done, 100, note=f"{done}{unit}" if unit else "")
     lines = capsys.readouterr().err.splitlines()
-    assert lines[0] == "flybench: study: 10 % after 0:10"
-    assert len(lines) == 4
-
-
-def test_elsewhere_a_note_that_changes_begins_no_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    now_s = iter(range(1000))
-    monkeypatch.setattr(time, "perf_counter", lambda: float(next(now_s)))
-    with progress_bar() as bars:
-        advance = bars.track("dataset")
-        for done in range(1, 51):
-            advance(done, 100, note=f"{done} MB")
-    lines = capsys.readouterr().err.splitlines()
-    assert lines[0] == "flybench: dataset: 10 MB: 10 % after 0:10"
+    assert lines[0] == f"flybench: study: {shown}10 % after 0:10"
     assert len(lines) == 4
 
 
