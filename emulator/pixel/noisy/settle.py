@@ -59,7 +59,7 @@ from flybench.portable_math import exp
 EVENTS, STAGE = EARLIEST, LATEST
 """Fields for the number of events and of spans so far."""
 
-_MOVED = (
+_CARRIED = (
     LAG,
     SECOND_LAG,
     CHANGE,
@@ -230,7 +230,7 @@ def _finish_spans(batch: Batch, state: PixelState, count: int) -> int:
             pixel.clock = own[CLOCK + k]
             count -= 1
             batch.indices[k] = batch.indices[count]
-            for field in _MOVED:
+            for field in _CARRIED:
                 own[field + k] = own[field + count]
     return count
 
