@@ -63,13 +63,16 @@ from emulator.pixel.state import MOVED, PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 
 _NEWTON_STEPS = 8
-"""Steps that suffice for nearly all pixels in moving light."""
+"""Steps that suffice for nearly all pixels in moving light (assumed)."""
 
 _TOLERANCE_US = 0.1
 _RELATIVE_TOLERANCE = 1e-5
+"""Largest last step of an event's time that has converged: in µs, or as a share of the time that
+may hold the event, whichever is larger (assumed)."""
+
 _CERTAIN = -2.5
 """Distance in σ from which Newton's method starts if the pixel is nearer at the end: there it has
-nearly always fired."""
+nearly always fired (assumed)."""
 
 
 @compiled
