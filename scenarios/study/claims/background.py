@@ -56,7 +56,8 @@ def background_is_suppressed(rows: Sequence[Row]) -> Claim:
         evidence += " Every step is correct without attention, so that there is nothing to gain."
     for method in (WIDE, ROBUST):
         if (gain := attention_gain(own, method)) is not None:
-            evidence += f" For {method} the difference is {_points(gain)}."
+            label = method_style(method).label
+            evidence += f" For “{label}” the difference is {_points(gain)}."
     return Claim(statement, where, _verdict(overall, better, worse), evidence, _tables(own))
 
 

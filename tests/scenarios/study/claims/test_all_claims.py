@@ -240,7 +240,7 @@ def test_the_gain_of_attention_is_paired_by_sequence_and_seed() -> None:
         ),
     )
     assert "nothing to gain" not in claim.evidence
-    assert "For robust" not in claim.evidence
+    assert "fly, robust" not in claim.evidence
     sure = make_table()
     for row in sure:
         if row["background"] != STILL:
@@ -256,8 +256,10 @@ def test_the_gain_of_the_other_flies_is_reported_where_they_ran() -> None:
         for seed in (0, 1)
     ]
     claim = background_is_suppressed(rows)
-    assert "For robust the difference is 25 percentage points." in claim.evidence
-    assert "For wide" not in claim.evidence
+    assert (
+        "For “event-driven fly, robust” the difference is 25 percentage points." in claim.evidence
+    )
+    assert "fly, wide" not in claim.evidence
 
 
 def test_a_sensor_is_judged_by_its_own_rows() -> None:
