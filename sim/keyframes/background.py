@@ -33,12 +33,11 @@ class Background(NamedTuple):
 
     Attributes:
         pixels: (layers, height, width) float32 luminance [cd/m²].
-        subpixels: (rows, columns, layers) float32 luminance of the sub-pixels [cd/m²]. The layers
-            come last because all of them are read at one sub-pixel after another.
+        subpixels: (layers, rows, columns) float32 luminance of the sub-pixels [cd/m²].
         subpixel_albedo: (rows, columns) float32 luminance per illuminance [cd/m² per lux].
         subpixel_nearness: (rows, columns) float32 1/depth [1/m].
-        depth: (height, width) float32 depth at the pixel centres [m].
-        normals: (height, width, 3) float32 unit normals at the pixel centres, in the camera's
+        nearness: (height, width) float32 1/depth at the pixel centres [1/m].
+        normals: (3, height, width) float32 unit normals at the pixel centres, in the camera's
             frame.
     """
 
@@ -46,7 +45,7 @@ class Background(NamedTuple):
     subpixels: F32
     subpixel_albedo: F32
     subpixel_nearness: F32
-    depth: F32
+    nearness: F32
     normals: F32
 
 
@@ -70,14 +69,14 @@ def background_of(
         supersample: sub-pixels per pixel and axis.
         blur_px: standard deviation of the lens's point spread [px].
     """
-    layers = (np.ascontiguousarray(layer) for layer in np.moveaxis(light.subpixels, -1, 0))
-    nearness, depth, normals = _geometry(lens, data, pose, soup, supersample)
+    subpixels = np.ascontiguousarray(np.moveaxis(light.subpixels, -1, 0))
+    subpixel_nearness, nearness, normals = _geometry(lens, data, pose, soup, supersample)
     return Background(
-        pixels=np.stack([to_pixels(layer, supersample, blur_px) for layer in layers]),
-        subpixels=light.subpixels,
+        pixels=np.stack([to_pixels(layer, supersample, blur_px) for layer in subpixels]),
+        subpixels=subpixels,
         subpixel_albedo=light.subpixel_albedo,
-        subpixel_nearness=nearness,
-        depth=depth,
+        subpixel_nearness=subpixel_nearness,
+        nearness=nearness,
         normals=normals,
     )
 
@@ -85,13 +84,17 @@ def background_of(
 def _geometry(
     lens: Intrinsics, data: mujoco.MjData, pose: Pose, soup: TriangleSoup, supersample: int
 ) -> tuple[F32, F32, F32]:
-    """Return the sub-pixels' nearness, and the pixel centres' depth and normals."""
-    nearness = background_nearness(lens, data, pose, soup, supersample)
+    """Return the sub-pixels' nearness, and the pixel centres' nearness and normals."""
+    subpixel_nearness = background_nearness(lens, data, pose, soup, supersample)
     in_camera = soup.transformed(compose_transforms(body_poses(data), pose.world_to_camera))
-    centre_nearness, label = rasterise_image(in_camera, lens, 1)
+    nearness, label = rasterise_image(in_camera, lens, 1)
     normals = np.concatenate([unit_normals(in_camera), np.zeros((1, 3))])[label]
-    depth = np.asarray(1 / np.maximum(centre_nearness, np.float32(FAR_NEARNESS)), np.float32)
-    return nearness, depth, normals.astype(np.float32)
+    nearness = np.maximum(nearness, np.float32(FAR_NEARNESS))
+    return (
+        subpixel_nearness,
+        nearness,
+        np.ascontiguousarray(np.moveaxis(normals, -1, 0), np.float32),
+    )
 
 
 def background_nearness(

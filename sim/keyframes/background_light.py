@@ -1,6 +1,12 @@
-"""Light on the background: shadows and beams at pixel centres, and at sub-pixels near edges."""
+"""Light on the background: shadows and beams at pixel centres, and at sub-pixels near edges.
+
+Kernels work along a row of points of which only the column differs, so that most of their loops can
+be vectorised.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -8,16 +14,32 @@ import numpy.typing as npt
 from flybench.kernels import compiled, inlined
 from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
-from sim.geometry.rigid_transform import transform_point
 from sim.keyframes.background import Background
 from sim.keyframes.canvas import Canvas
 from sim.keyframes.pixel_labels import EDGE
-from sim.shadows.point_illumination import beam_lux, unshadowed_share
+from sim.shadows.point_illumination import (
+    Row,
+    beam_lux,
+    beam_of,
+    find_unshadowed_shares,
+)
 from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
+F64 = npt.NDArray[np.float64]
 I64 = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
+
+Run = tuple[int, int, int, int]
+"""Neighbouring pixels: row, first column, column after the last, sub-pixels per pixel and axis."""
+
+
+@inlined
+def _row_of_points(projection: Projection, row: int, size: int) -> Row:
+    """Return a row of a grid with `size` points per pixel and axis."""
+    focal, centre_x, centre_y = projection
+    step = 1.0 / (size * focal)
+    return ((row + 0.5) / size - centre_y) / focal, (0.5 / size - centre_x) / focal, step
 
 
 @compiled
@@ -31,7 +53,8 @@ def light_pixel_centres(
     """Find the light that reaches the background at the pixel centres of a rectangle.
 
     Args:
-        canvas: `lit` and `in_beam` are set; shadows are added to `pixel_label`, see `_add_shadow`.
+        canvas: `lit`, `shadowed` and `in_beam` are set; shadows are added to `pixel_label`, see
+            `_add_shadow`.
         background: the static background.
         effects: shadows and beams at this time.
         projection: projection of the camera.
@@ -39,56 +62,50 @@ def light_pixel_centres(
     """
     x0, y0, x1, y1 = rectangle
     canvas.lit[:, y0:y1, x0:x1] = 1.0
+    canvas.shadowed[y0:y1, x0:x1] = 0
     canvas.in_beam[y0:y1, x0:x1] = False
+    shares = np.empty((3, x1))
     for shadow in range(len(effects.light)):
-        _add_shadow(canvas, background.depth, effects, shadow, projection, rectangle)
+        _add_shadow(canvas, background.nearness, effects, shadow, projection, rectangle, shares)
     for beam in range(len(effects.beams)):
         _add_beam(canvas, background, effects, beam, projection, rectangle)
 
 
-@compiled
+@inlined
 def _add_shadow(
     canvas: Canvas,
-    depth: F32,
+    nearness: F32,
     effects: ShadowsAndBeams,
     shadow: int,
     projection: Projection,
     rectangle: Rectangle,
+    shares: F64,
 ) -> None:
     """Apply one shadow to the background at the pixel centres of a rectangle.
 
-    The shadow multiplies `canvas.lit`. In `canvas.pixel_label`, a negative label is background,
-    where each shadow has a bit of −1 − label, which is set where it is complete. A partial shadow
-    gives `EDGE`.
+    The shadow multiplies `canvas.lit`, and sets its bit in `canvas.shadowed` where it falls. In
+    `canvas.pixel_label`, a negative label is background, where each shadow has a bit of −1 − label,
+    which is set where it is complete. A partial shadow gives `EDGE`.
     """
-    focal, centre_x, centre_y = projection
-    maps, sizes, is_sun, view = effects.maps, effects.sizes, effects.is_sun, effects.views[shadow]
-    u_right, v_right, w_right = view[0, 0] / focal, view[1, 0] / focal, view[2, 0] / focal
     area, pixel_label = effects.shadow_areas[shadow], canvas.pixel_label
     lit = canvas.lit[effects.light[shadow]]
+    start, end = max(area[0], rectangle[0]), min(area[2], rectangle[2])
     for row in range(max(area[1], rectangle[1]), min(area[3], rectangle[3])):
-        below = (row + 0.5 - centre_y) / focal
-        u_row = view[0, 1] * below + view[0, 2]
-        v_row = view[1, 1] * below + view[1, 2]
-        w_row = view[2, 1] * below + view[2, 2]
-        for column in range(max(area[0], rectangle[0]), min(area[2], rectangle[2])):
-            i, j = np.uintp(row), np.uintp(column)
-            label = pixel_label[i, j]
-            if label >= 0:
-                continue
-            z, right = depth[i, j], column + 0.5 - centre_x
-            u = z * (u_right * right + u_row) + view[0, 3]
-            v = z * (v_right * right + v_row) + view[1, 3]
-            w = z * (w_right * right + w_row) + view[2, 3]
-            share = unshadowed_share(maps, sizes, is_sun, shadow, u, v, w)
-            if share >= 1.0:
+        i = np.uintp(row)
+        points = _row_of_points(projection, row, 1)
+        _find_shares(effects, shadow, points, nearness[i], start, end, shares)
+        for column in range(start, end):
+            j = np.uintp(column)
+            label, share = pixel_label[i, j], shares[0, j]
+            if label >= 0 or share >= 1.0:
                 continue
             lit[i, j] *= share
+            canvas.shadowed[i, j] |= 1 << shadow
             if label != EDGE:
                 pixel_label[i, j] = EDGE if share > 0.0 else label - (1 << shadow)
 
 
-@compiled
+@inlined
 def _add_beam(
     canvas: Canvas,
     background: Background,
@@ -98,18 +115,51 @@ def _add_beam(
     rectangle: Rectangle,
 ) -> None:
     """Set `canvas.in_beam` where a beam lights the background at the pixel centre."""
-    focal, centre_x, centre_y = projection
-    beams, range_m, area = effects.beams, effects.beam_range_m, effects.beam_areas[beam]
-    depth, normals = background.depth, background.normals
+    of_beam, area, range_m = (
+        beam_of(effects.beams, beam),
+        effects.beam_areas[beam],
+        effects.beam_range_m,
+    )
+    nearness, normals = background.nearness, background.normals
     for row in range(max(area[1], rectangle[1]), min(area[3], rectangle[3])):
+        i, (y, left, step) = np.uintp(row), _row_of_points(projection, row, 1)
         for column in range(max(area[0], rectangle[0]), min(area[2], rectangle[2])):
-            i, j = np.uintp(row), np.uintp(column)
-            if canvas.pixel_label[i, j] >= 0 or canvas.in_beam[i, j]:
-                continue
-            z = depth[i, j]
-            x, y = (column + 0.5 - centre_x) / focal * z, (row + 0.5 - centre_y) / focal * z
-            n_x, n_y, n_z = normals[i, j, 0], normals[i, j, 1], normals[i, j, 2]
-            canvas.in_beam[i, j] = beam_lux(beams, beam, range_m, x, y, z, n_x, n_y, n_z) > 0.0
+            j, x = np.uintp(column), left + column * step
+            normal = normals[0, i, j], normals[1, i, j], normals[2, i, j]
+            lux = beam_lux(of_beam, range_m, x, y, nearness[i, j], normal)
+            canvas.in_beam[i, j] |= (lux > 0.0) & (canvas.pixel_label[i, j] < 0)
+
+
+class RowPlan(NamedTuple):
+    """How the sub-pixels of a row of pixels are lit.
+
+    Attributes:
+        wanted: (columns,) bool, pixels whose sub-pixels must be set.
+        share: (lights, columns) factor of each layer but the first, without the shadows below.
+        shadows: (columns,) int64, a bit for each shadow that may end in the pixel.
+        in_beam: (columns,) bool, pixels that beams may light.
+    """
+
+    wanted: Bools
+    share: F64
+    shadows: I64
+    in_beam: Bools
+
+
+class Scratch(NamedTuple):
+    """Buffers for a row of sub-pixels.
+
+    Attributes:
+        share: (lights, columns) factor of each layer but the first.
+        shares: (3, columns) share of a light that passes a moving object, and scratch.
+        normals: (3, columns) normals of the background.
+        lux: (columns,) illuminance from beams.
+    """
+
+    share: F64
+    shares: F64
+    normals: F64
+    lux: F64
 
 
 @compiled
@@ -124,7 +174,8 @@ def light_subpixels(
     """Set the luminance of the background at the sub-pixels of marked pixels and their neighbours.
 
     Args:
-        canvas: `scratch` marks the pixels; `background` is set, except behind moving parts.
+        canvas: `scratch` marks the pixels; `background` is set, except in pixels that a moving part
+            hides entirely.
         background: the static background.
         effects: shadows and beams at this time.
         projection: projection of the camera.
@@ -132,141 +183,187 @@ def light_subpixels(
         supersample: sub-pixels per pixel and axis.
     """
     x0, y0, x1, y1 = rectangle
-    lights = len(canvas.lit)
-    factors, uneven = np.empty(1 + lights), np.empty(lights, np.bool_)
-    factors[0], share = effects.gains[0], np.ones(1 + lights)
-    active = np.empty(len(effects.light), np.int64)
+    lights, columns = len(canvas.lit), x1 * supersample
+    plan = RowPlan(
+        np.empty(x1, np.bool_),
+        np.empty((lights, x1)),
+        np.empty(x1, np.int64),
+        np.empty(x1, np.bool_),
+    )
+    scratch = Scratch(
+        np.empty((lights, columns)),
+        np.empty((3, columns)),
+        np.empty((3, columns)),
+        np.empty(columns),
+    )
     for row in range(y0, y1):
-        for column in range(x0, x1):
-            if not canvas.scratch[np.uintp(row), np.uintp(column)]:
-                continue
-            if canvas.pixel_label[np.uintp(row), np.uintp(column)] >= 0:
-                continue  # a moving part hides it
-            full = effects.gains[0] == 1.0
-            for light in range(lights):
-                uneven[light] = not _evenly_lit(canvas.lit, light, row, column, rectangle)
-                factor = effects.gains[1 + light]
-                if not uneven[light]:
-                    factor *= canvas.lit[light, np.uintp(row), np.uintp(column)]
-                full &= factor == 1.0
-                factors[1 + light] = factor
-            in_beam = _near_beam(canvas.in_beam, row, column, rectangle)
-            shadows = 0
-            for shadow in range(len(effects.light)):
-                area = effects.shadow_areas[shadow]
-                here = area[0] <= column < area[2] and area[1] <= row < area[3]
-                if here and uneven[effects.light[shadow]]:
-                    active[shadows] = shadow
-                    shadows += 1
-            i, j = np.uintp(row), np.uintp(column)
-            full &= shadows == 0 and not in_beam
-            if full and canvas.untouched[i, j]:
-                continue
-            canvas.untouched[i, j] = full
-            if shadows == 0 and not in_beam:
-                _light_evenly(canvas, background, factors, row, column, supersample)
-            else:
-                _light_pointwise(
-                    canvas,
-                    background,
-                    effects,
-                    projection,
-                    factors,
-                    share,
-                    active[:shadows],
-                    in_beam,
-                    row,
-                    column,
-                    supersample,
-                )
+        _plan_row(canvas, effects, row, rectangle, plan)
+        column = x0
+        while column < x1:
+            end = column
+            while end < x1 and plan.wanted[end]:
+                end += 1
+            if end > column:
+                run = row, column, end, supersample
+                _light_run(canvas, background, effects, projection, plan, run, scratch)
+            column = end + 1
 
 
 @inlined
-def _light_evenly(
-    canvas: Canvas,
-    background: Background,
-    factors: npt.NDArray[np.float64],
-    row: int,
-    column: int,
-    supersample: int,
+def _plan_row(
+    canvas: Canvas, effects: ShadowsAndBeams, row: int, rectangle: Rectangle, plan: RowPlan
 ) -> None:
-    """Light the sub-pixels of a pixel: the layers of the background, weighted with `factors`."""
-    layers = background.subpixels
-    for i in range(row * supersample, (row + 1) * supersample):
-        for j in range(column * supersample, (column + 1) * supersample):
-            v, u = np.uintp(i), np.uintp(j)
-            value = factors[0] * layers[v, u, 0]
-            for light in range(1, len(factors)):
-                value += factors[light] * layers[v, u, np.uintp(light)]
-            canvas.background[v, u] = value
+    """Set the plan of a row of a rectangle."""
+    even = True
+    for gain in effects.gains:
+        even &= gain == 1.0
+    i = np.uintp(row)
+    for column in range(rectangle[0], rectangle[2]):
+        j = np.uintp(column)
+        plan.wanted[j] = canvas.scratch[i, j] and canvas.pixel_label[i, j] < 0
+        if not plan.wanted[j]:
+            continue
+        shadows, in_beam = _effects_near(canvas, row, column, rectangle)
+        full, ends = even and not in_beam and shadows == 0, 0
+        for light in range(len(canvas.lit)):
+            plan.share[light, j] = effects.gains[1 + light]
+            if shadows != 0:
+                if _evenly_lit(canvas.lit, light, row, column, rectangle):
+                    plan.share[light, j] *= canvas.lit[light, i, j]
+                else:
+                    for shadow in range(len(effects.light)):
+                        if effects.light[shadow] == light:
+                            ends |= shadows & (1 << shadow)
+        plan.shadows[j], plan.in_beam[j] = ends, in_beam
+        plan.wanted[j] = not (full and canvas.untouched[i, j])
+        canvas.untouched[i, j] = full
 
 
 @inlined
-def _light_pointwise(
+def _light_run(
     canvas: Canvas,
     background: Background,
     effects: ShadowsAndBeams,
     projection: Projection,
-    factors: npt.NDArray[np.float64],
-    share: npt.NDArray[np.float64],
-    active: I64,
-    in_beam: bool,
-    row: int,
-    column: int,
-    supersample: int,
+    plan: RowPlan,
+    run: Run,
+    scratch: Scratch,
 ) -> None:
-    """Light each sub-pixel of a pixel by itself.
-
-    Args:
-        canvas: `background` is set.
-        background: the static background.
-        effects: shadows and beams at this time.
-        projection: projection of the camera.
-        factors: (1 + lights,) factor of each layer where no shadow falls.
-        share: (1 + lights,) scratch.
-        active: numbers of the shadows that may end in the pixel.
-        in_beam: True if beams may light the pixel.
-        row: row of the pixel.
-        column: column of the pixel.
-        supersample: sub-pixels per pixel and axis.
-    """
-    focal, centre_x, centre_y = projection
-    layers, normals = background.subpixels, background.normals
-    maps, sizes, views, is_sun = effects.maps, effects.sizes, effects.views, effects.is_sun
-    n_x, n_y, n_z = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
-    for i in range(row * supersample, (row + 1) * supersample):
-        below = ((i + 0.5) / supersample - centre_y) / focal
-        for j in range(column * supersample, (column + 1) * supersample):
-            v, u = np.uintp(i), np.uintp(j)
-            if canvas.label[v, u] >= 0:
-                continue
-            z = 1.0 / background.subpixel_nearness[v, u]
-            x, y = ((j + 0.5) / supersample - centre_x) / focal * z, below * z
-            share[:] = 1.0
-            for k in range(len(active)):
-                shadow = active[k]
-                at = transform_point(views, shadow, x, y, z)
-                share[1 + effects.light[shadow]] *= unshadowed_share(
-                    maps, sizes, is_sun, shadow, at[0], at[1], at[2]
-                )
-            value = factors[0] * layers[v, u, 0]
-            for light in range(1, len(factors)):
-                value += factors[light] * share[light] * layers[v, u, np.uintp(light)]
-            lux = 0.0
-            if in_beam:
-                for k in range(len(effects.beams)):
-                    lux += beam_lux(effects.beams, k, effects.beam_range_m, x, y, z, n_x, n_y, n_z)
-            canvas.background[v, u] = value + lux * background.subpixel_albedo[v, u]
+    """Set the luminance of the background at the sub-pixels of a run of pixels."""
+    row, start, end, size = run
+    share, layers, first, last = scratch.share, background.subpixels, start * size, end * size
+    shadows, in_beam = 0, False
+    for column in range(start, end):
+        shadows |= plan.shadows[np.uintp(column)]
+        in_beam |= plan.in_beam[np.uintp(column)]
+    if in_beam:
+        for axis in range(3):
+            for column in range(start, end):
+                normal = background.normals[axis, row, np.uintp(column)]
+                for j in range(column * size, (column + 1) * size):
+                    scratch.normals[axis, np.uintp(j)] = normal
+    for i in range(row * size, (row + 1) * size):
+        v, points = np.uintp(i), _row_of_points(projection, i, size)
+        nearness = background.subpixel_nearness[v]
+        for light in range(len(share)):
+            for column in range(start, end):
+                factor = plan.share[light, np.uintp(column)]
+                for j in range(column * size, (column + 1) * size):
+                    share[light, np.uintp(j)] = factor
+        if shadows != 0:
+            _shade_run(effects, plan, run, points, nearness, shadows, scratch)
+        for j in range(first, last):
+            u = np.uintp(j)
+            canvas.background[v, u] = effects.gains[0] * layers[0, v, u]
+        for light in range(len(share)):
+            for j in range(first, last):
+                u = np.uintp(j)
+                canvas.background[v, u] += share[light, u] * layers[1 + light, v, u]
+        if in_beam:
+            _sum_beams(effects, points, nearness, first, last, scratch)
+            for j in range(first, last):
+                u = np.uintp(j)
+                canvas.background[v, u] += scratch.lux[u] * background.subpixel_albedo[v, u]
 
 
 @inlined
-def _near_beam(in_beam: Bools, row: int, column: int, rectangle: Rectangle) -> bool:
-    """Return True if a beam lights a pixel or one of its neighbours in a rectangle."""
-    found = False
+def _shade_run(
+    effects: ShadowsAndBeams,
+    plan: RowPlan,
+    run: Run,
+    points: Row,
+    nearness: F32,
+    shadows: int,
+    scratch: Scratch,
+) -> None:
+    """Apply the shadows that end in the pixels of a run to a row of their sub-pixels."""
+    _, start, end, size = run
+    shares = scratch.shares
+    for shadow in range(len(effects.light)):
+        if shadows >> shadow & 1 == 0:
+            continue
+        share = scratch.share[effects.light[shadow]]
+        _find_shares(effects, shadow, points, nearness, start * size, end * size, shares)
+        for column in range(start, end):
+            if plan.shadows[np.uintp(column)] >> shadow & 1:
+                for j in range(column * size, (column + 1) * size):
+                    share[np.uintp(j)] *= shares[0, np.uintp(j)]
+
+
+@inlined
+def _find_shares(
+    effects: ShadowsAndBeams,
+    shadow: int,
+    points: Row,
+    nearness: F32,
+    start: int,
+    end: int,
+    shares: F64,
+) -> None:
+    """Call `find_unshadowed_shares` for one of the shadows."""
+    find_unshadowed_shares(
+        effects.maps,
+        effects.sizes,
+        effects.views,
+        effects.is_sun,
+        shadow,
+        points,
+        nearness,
+        start,
+        end,
+        shares,
+    )
+
+
+@inlined
+def _sum_beams(
+    effects: ShadowsAndBeams, points: Row, nearness: F32, start: int, end: int, scratch: Scratch
+) -> None:
+    """Set `scratch.lux` to the illuminance from all beams at points of a row."""
+    y, left, step = points
+    lux, normals = scratch.lux, scratch.normals
+    lux[start:end] = 0.0
+    for k in range(len(effects.beams)):
+        beam = beam_of(effects.beams, k)
+        for j in range(start, end):
+            u = np.uintp(j)
+            normal = normals[0, u], normals[1, u], normals[2, u]
+            lux[u] += beam_lux(beam, effects.beam_range_m, left + j * step, y, nearness[u], normal)
+
+
+@inlined
+def _effects_near(canvas: Canvas, row: int, column: int, rectangle: Rectangle) -> tuple[int, bool]:
+    """Return the shadows and beams at a pixel and its neighbours in a rectangle.
+
+    Returns:
+        A bit for each shadow, and True if there is a beam.
+    """
+    shadows, in_beam = 0, False
     for i in range(max(row - 1, rectangle[1]), min(row + 2, rectangle[3])):
         for j in range(max(column - 1, rectangle[0]), min(column + 2, rectangle[2])):
-            found |= in_beam[np.uintp(i), np.uintp(j)]
-    return found
+            shadows |= canvas.shadowed[np.uintp(i), np.uintp(j)]
+            in_beam |= canvas.in_beam[np.uintp(i), np.uintp(j)]
+    return shadows, in_beam
 
 
 @inlined

@@ -27,6 +27,7 @@ class Canvas(NamedTuple):
         pixel_label: (height, width) int32 what each pixel shows; see `sim.keyframes.pixel_labels`.
         lit: (layers - 1, height, width) float32 share of each layer but the first that reaches the
             background.
+        shadowed: (height, width) int32, a bit for each shadow that falls on the pixel's centre.
         in_beam: (height, width) bool, True where a beam lights the background.
         marked: (height, width) bool, pixels that are drawn from their sub-pixels.
         scratch: (height, width) bool.
@@ -40,6 +41,7 @@ class Canvas(NamedTuple):
     nearness: F32
     pixel_label: I32
     lit: F32
+    shadowed: I32
     in_beam: Bools
     marked: Bools
     scratch: Bools
@@ -49,17 +51,18 @@ class Canvas(NamedTuple):
 
 def blank_canvas(background: Background) -> Canvas:
     """Return the canvas of a background without moving objects."""
-    size = background.depth.shape
+    size = background.nearness.shape
     return Canvas(
         image=np.zeros(size, np.float32),
         label=np.full(background.subpixel_nearness.shape, NO_LABEL, np.int32),
         nearness=background.subpixel_nearness.copy(),
         pixel_label=np.full(size, NO_LABEL, np.int32),
         lit=np.ones((len(background.pixels) - 1, *size), np.float32),
+        shadowed=np.zeros(size, np.int32),
         in_beam=np.zeros(size, np.bool_),
         marked=np.zeros(size, np.bool_),
         scratch=np.zeros(size, np.bool_),
-        background=background.subpixels.sum(axis=-1),
+        background=background.subpixels.sum(axis=0),
         untouched=np.ones(size, np.bool_),
     )
 

@@ -24,7 +24,11 @@ from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
+I32 = npt.NDArray[np.int32]
 I64 = npt.NDArray[np.int64]
+
+NO_PART = np.int32(2**31 - 1)
+"""A number above that of every part."""
 
 
 class Aperture(NamedTuple):
@@ -104,7 +108,7 @@ def _fill_uniform_pixels(
     """
     layers, pixel_label, marked = background.pixels, canvas.pixel_label, canvas.marked
     x0, y0, x1, y1 = rectangle
-    sums = np.empty((2, x1))
+    scratch = np.empty((4, x1))
     for row in range(y0, y1):
         i, column = np.uintp(row), x0
         while column < x1:
@@ -116,7 +120,7 @@ def _fill_uniform_pixels(
                         break
                     end += 1
                 centres = canvas.nearness[row * supersample + supersample // 2]
-                surface_run(surfaces, part, row, column, end, centres, sums, canvas.image[row])
+                surface_run(surfaces, part, row, column, end, centres, scratch, canvas.image[row])
             elif not marked[i, j] and part < -1:
                 value = gains[0] * layers[0, i, j]
                 for k in range(len(canvas.lit)):
@@ -135,77 +139,207 @@ def _blend_edge_pixels(
     pixel centre.
     """
     x0, y0, x1, y1 = rectangle
-    label, background, weights = canvas.label, canvas.background, seen.weights
+    weights = seen.weights
     size = len(weights) // 3
-    parts, coverage = np.empty(9 * size * size, np.int64), np.empty(9 * size * size)
+    columns = np.empty((2, x1 * size)), np.empty((2, x1 * size), np.int32)
+    parts, coverage = np.empty((9 * size * size, 3), np.int64), np.empty(9 * size * size)
     for row in range(y0, y1):
-        top, bottom = max((row - 1) * size, y0 * size), min((row + 2) * size, y1 * size)
-        for column in range(x0, x1):
+        column, end = x0, x0
+        while column < x1:
             if not canvas.marked[np.uintp(row), np.uintp(column)]:
+                column += 1
                 continue
-            first = (column - 1) * size
-            left, right = max(first, x0 * size), min((column + 2) * size, x1 * size)
-            value, found = 0.0, 0
-            for i in range(top, bottom):
-                across, last, share = 0.0, -1, 0.0
-                for j in range(left, right):
-                    weight = weights[np.uintp(j - first)]
-                    part = label[np.uintp(i), np.uintp(j)]
-                    if part < 0:
-                        across += weight * background[np.uintp(i), np.uintp(j)]
-                        continue
-                    if part != last:
-                        down = weights[np.uintp(i - (row - 1) * size)]
-                        found = _add_coverage(parts, coverage, found, last, down * share)
-                        last, share = part, 0.0
-                    share += weight
-                down = weights[np.uintp(i - (row - 1) * size)]
-                found = _add_coverage(parts, coverage, found, last, down * share)
-                value += down * across
-            for k in range(found):
-                value += coverage[k] * _part_luminance(
-                    canvas, surfaces, seen, parts[k], row, column, rectangle
-                )
-            if bottom - top < 3 * size or right - left < 3 * size:
-                shift = (row - 1) * size
-                value /= weights[top - shift : bottom - shift].sum()
-                value /= weights[left - first : right - first].sum()
-            canvas.image[np.uintp(row), np.uintp(column)] = value
+            if column >= end:
+                end = column + 1
+                while end < x1 and canvas.marked[np.uintp(row), np.uintp(end)]:
+                    end += 1
+                _sum_columns(canvas, weights, row, column, end, rectangle, *columns)
+            value, open_share, total, lowest, highest = _sum_rows(
+                weights, row, column, rectangle, *columns
+            )
+            if highest >= 0 and lowest == highest:
+                i, j = _nearest(canvas.label, seen, highest, row, column, rectangle)
+                light = _part_luminance(canvas, surfaces, size, highest, row, column, i, j)
+                value += (total - open_share) * light
+            elif highest >= 0:
+                found = _coverages(canvas.label, weights, row, column, rectangle, parts, coverage)
+                for k in range(found):
+                    part, i, j = parts[k]
+                    light = _part_luminance(canvas, surfaces, size, part, row, column, i, j)
+                    value += coverage[k] * light
+            canvas.image[np.uintp(row), np.uintp(column)] = value / total
+            column += 1
 
 
 @inlined
-def _add_coverage(parts: I64, coverage: F64, found: int, part: int, share: float) -> int:
-    """Add to the coverage of a part, and return how many parts have been found."""
-    if part < 0:
-        return found
-    for k in range(found):
-        if parts[k] == part:
-            coverage[k] += share
-            return found
-    parts[found], coverage[found] = part, share
-    return found + 1
+def _sum_columns(
+    canvas: Canvas,
+    weights: F64,
+    row: int,
+    start: int,
+    end: int,
+    rectangle: Rectangle,
+    sums: F64,
+    parts: I32,
+) -> None:
+    """Weight the sub-pixels in each column of sub-pixels around a run of pixels.
+
+    Args:
+        canvas: the canvas.
+        weights: weights of the aperture along an axis.
+        row: row of the pixels.
+        start: first pixel.
+        end: pixel after the last.
+        rectangle: x0, y0, x1, y1 [px]; what lies outside does not count.
+        sums: (2, columns) set to weight × luminance of the background that is not hidden, and to
+            its weight.
+        parts: (2, columns) set to the lowest and the highest part.
+    """
+    x0, y0, x1, y1 = rectangle
+    size = len(weights) // 3
+    first, last = max(start - 1, x0) * size, min(end + 1, x1) * size
+    for j in range(first, last):
+        u = np.uintp(j)
+        sums[0, u], sums[1, u] = 0.0, 0.0
+        parts[0, u], parts[1, u] = NO_PART, -1
+    shift = (row - 1) * size
+    for i in range(max(shift, y0 * size), min(shift + 3 * size, y1 * size)):
+        v, weight = np.uintp(i), weights[np.uintp(i - shift)]
+        for j in range(first, last):
+            u = np.uintp(j)
+            part = canvas.label[v, u]
+            seen = weight if part < 0 else 0.0
+            sums[0, u] += seen * canvas.background[v, u]
+            sums[1, u] += seen
+            parts[0, u] = min(parts[0, u], NO_PART if part < 0 else part)
+            parts[1, u] = max(parts[1, u], part)
+
+
+@inlined
+def _sum_rows(
+    weights: F64, row: int, column: int, rectangle: Rectangle, sums: F64, parts: I32
+) -> tuple[float, float, float, int, int]:
+    """Weight the columns of sub-pixels of a pixel's aperture.
+
+    Args:
+        weights: weights of the aperture along an axis.
+        row: row of the pixel.
+        column: column of the pixel.
+        rectangle: x0, y0, x1, y1 [px]; what lies outside does not count.
+        sums: from `_sum_columns`.
+        parts: from `_sum_columns`.
+
+    Returns:
+        Weight × luminance of the background, weight of the background, weight of everything, and
+        the lowest and the highest part, which is negative if there is none.
+    """
+    x0, y0, x1, y1 = rectangle
+    size = len(weights) // 3
+    value, seen, across = 0.0, 0.0, 0.0
+    lowest, highest = NO_PART, np.int32(-1)
+    shift = (column - 1) * size
+    for j in range(max(shift, x0 * size), min(shift + 3 * size, x1 * size)):
+        u, weight = np.uintp(j), weights[np.uintp(j - shift)]
+        value += weight * sums[0, u]
+        seen += weight * sums[1, u]
+        across += weight
+        lowest, highest = min(lowest, parts[0, u]), max(highest, parts[1, u])
+    shift, down = (row - 1) * size, 0.0
+    for i in range(max(shift, y0 * size), min(shift + 3 * size, y1 * size)):
+        down += weights[np.uintp(i - shift)]
+    return value, seen, across * down, int(lowest), int(highest)
+
+
+@inlined
+def _coverages(
+    label: I32,
+    weights: F64,
+    row: int,
+    column: int,
+    rectangle: Rectangle,
+    parts: I64,
+    coverage: F64,
+) -> int:
+    """Find the parts in a pixel's aperture and their weights, and return their number.
+
+    Args:
+        label: labels of the sub-pixels.
+        weights: weights of the aperture along an axis.
+        row: row of the pixel.
+        column: column of the pixel.
+        rectangle: x0, y0, x1, y1 [px]; what lies outside does not count.
+        parts: (n, 3) set to the number of each part, and row and column of its sub-pixel that is
+            nearest to the pixel centre.
+        coverage: (n,) set to their weights.
+    """
+    x0, y0, x1, y1 = rectangle
+    size, found = len(weights) // 3, 0
+    above, first = (row - 1) * size, (column - 1) * size
+    left, right = max(first, x0 * size), min(first + 3 * size, x1 * size)
+    middle = first + (3 * size - 1) // 2
+    for i in range(max(above, y0 * size), min(above + 3 * size, y1 * size)):
+        down, start = weights[np.uintp(i - above)], left
+        while start < right:
+            part, stop, share = label[np.uintp(i), np.uintp(start)], start, 0.0
+            while stop < right and label[np.uintp(i), np.uintp(stop)] == part:
+                share += weights[np.uintp(stop - first)]
+                stop += 1
+            if part >= 0:
+                k = 0
+                while k < found and parts[k, 0] != part:
+                    k += 1
+                if k == found:
+                    parts[k, 0], parts[k, 1], parts[k, 2] = part, above - 3 * size, first
+                    coverage[k] = 0.0
+                    found += 1
+                coverage[k] += down * share
+                nearest = min(max(middle, start), stop - 1)
+                if _off_centre(i - above, nearest - first, size) < _off_centre(
+                    parts[k, 1] - above, parts[k, 2] - first, size
+                ):
+                    parts[k, 1], parts[k, 2] = i, nearest
+            start = stop
+    return found
+
+
+@inlined
+def _off_centre(row: int, column: int, size: int) -> int:
+    """Return four times the squared distance of a sub-pixel from the centre of an aperture."""
+    down, right = 2 * row + 1 - 3 * size, 2 * column + 1 - 3 * size
+    return down * down + right * right
+
+
+@inlined
+def _nearest(
+    label: I32, seen: Aperture, part: int, row: int, column: int, rectangle: Rectangle
+) -> tuple[int, int]:
+    """Return row and column of the sub-pixel of a part that is nearest to a pixel's centre."""
+    x0, y0, x1, y1 = rectangle
+    size = len(seen.weights) // 3
+    above, first = (row - 1) * size, (column - 1) * size
+    inside = x0 < column < x1 - 1 and y0 < row < y1 - 1
+    for k in range(len(seen.order)):
+        i, j = above + seen.order[np.uintp(k), 0], first + seen.order[np.uintp(k), 1]
+        reached = inside or (y0 * size <= i < y1 * size and x0 * size <= j < x1 * size)
+        if reached and label[np.uintp(i), np.uintp(j)] == part:
+            return i, j
+    return above, first
 
 
 @inlined
 def _part_luminance(
     canvas: Canvas,
     surfaces: Surfaces,
-    seen: Aperture,
+    size: int,
     part: int,
     row: int,
     column: int,
-    rectangle: Rectangle,
+    i: int,
+    j: int,
 ) -> float:
-    """Return the luminance of a part at its sub-pixel nearest to a pixel's centre."""
-    x0, y0, x1, y1 = rectangle
-    size = len(seen.weights) // 3
-    for k in range(len(seen.order)):
-        i, j = (row - 1) * size + seen.order[k, 0], (column - 1) * size + seen.order[k, 1]
-        inside = y0 * size <= i < y1 * size and x0 * size <= j < x1 * size
-        if inside and canvas.label[np.uintp(i), np.uintp(j)] == part:
-            nearness = canvas.nearness[np.uintp(i), np.uintp(j)]
-            right, down = j + 0.5 - (column + 0.5) * size, i + 0.5 - (row + 0.5) * size
-            return surface_luminance(
-                surfaces, part, (j + 0.5) / size, (i + 0.5) / size, nearness, right, down
-            )
-    return 0.0
+    """Return the luminance of a part around a pixel's centre, looked up at its sub-pixel i, j."""
+    nearness = canvas.nearness[np.uintp(i), np.uintp(j)]
+    right, down = j + 0.5 - (column + 0.5) * size, i + 0.5 - (row + 0.5) * size
+    return surface_luminance(
+        surfaces, part, (j + 0.5) / size, (i + 0.5) / size, nearness, right, down
+    )

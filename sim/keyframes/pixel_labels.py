@@ -35,14 +35,19 @@ def label_pixels(label: I32, supersample: int, rectangle: Rectangle, pixel_label
             else to `EDGE`.
     """
     x0, y0, x1, y1 = rectangle
+    start, end = x0 * supersample, x1 * supersample
+    differing = np.empty(end, np.int32)
     for row in range(y0, y1):
+        top = np.uintp(row * supersample)
+        differing[start:end] = 0
+        for i in range(row * supersample + 1, (row + 1) * supersample):
+            for j in range(start, end):
+                differing[np.uintp(j)] |= label[np.uintp(i), np.uintp(j)] ^ label[top, np.uintp(j)]
         for column in range(x0, x1):
-            first = label[np.uintp(row * supersample), np.uintp(column * supersample)]
-            alike = True
-            for i in range(row * supersample, (row + 1) * supersample):
-                for j in range(column * supersample, (column + 1) * supersample):
-                    alike &= label[np.uintp(i), np.uintp(j)] == first
-            pixel_label[np.uintp(row), np.uintp(column)] = first if alike else EDGE
+            first, mixed = label[top, np.uintp(column * supersample)], np.int32(0)
+            for j in range(column * supersample, (column + 1) * supersample):
+                mixed |= differing[np.uintp(j)] | (label[top, np.uintp(j)] ^ first)
+            pixel_label[np.uintp(row), np.uintp(column)] = EDGE if mixed else first
 
 
 @compiled

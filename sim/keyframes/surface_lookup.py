@@ -108,7 +108,7 @@ def surface_run(
     start: int,
     end: int,
     nearness: F32,
-    sums: F64,
+    scratch: F64,
     out: F32,
 ) -> None:
     """Look up a part at the centres of several pixels of a row.
@@ -121,26 +121,28 @@ def surface_run(
         end: pixel after the last.
         nearness: (columns,) nearness along the row of sub-pixels at or just after the pixels'
             centres [1/m].
-        sums: (2, at least `end`) scratch.
+        scratch: (4, at least `end`), overwritten.
         out: (width,) luminance of the row; set at these pixels [cd/m²].
     """
+    value, coverage = scratch[0], scratch[1]
     for layer in range(2):
         k = part + layer * (len(surfaces.means) // 2)
         if layer == 1 and surfaces.patches[k, 0, 3] + surfaces.patches[k, 1, 3] == 0:
             break
-        sums[:, start:end] = 0.0
+        scratch[:2, start:end] = 0.0
         for key in range(2):
             if surfaces.weights[k, key] > 0.0 and surfaces.patches[k, key, 3] > 0:
-                _add_run(surfaces, k, key, row, start, end, nearness, sums)
+                _find_in_patch(surfaces, k, key, row, start, end, nearness, scratch)
+                _add_patch(surfaces, k, key, start, end, scratch)
+        mean = surfaces.means[k]
         for column in range(start, end):
             j = np.uintp(column)
-            shown = sums[1, j] > MIN_COVERAGE
-            here = sums[0, j] / sums[1, j] if shown else surfaces.means[k]
+            here = value[j] / coverage[j] if coverage[j] > MIN_COVERAGE else mean
             out[j] = here if layer == 0 else out[j] * here
 
 
-@compiled
-def _add_run(
+@inlined
+def _find_in_patch(
     surfaces: Surfaces,
     k: int,
     key: int,
@@ -148,31 +150,42 @@ def _add_run(
     start: int,
     end: int,
     nearness: F32,
-    sums: F64,
+    scratch: F64,
 ) -> None:
-    """Add what one keyframe shows of row `k` of the surfaces; see `surface_run`."""
-    grid, patch, m = surfaces.grid, surfaces.patches[k, key], surfaces.matrices[k, key]
-    share, first, width, height = surfaces.weights[k, key], patch[0], patch[3], patch[4]
-    size = surfaces.per_pixel
+    """Set rows 2 and 3 of `scratch` to the columns and rows of pixels in a patch.
+
+    See `surface_run`. A point behind the camera gets a column of −1.
+    """
+    m, size = surfaces.matrices[k, key], surfaces.per_pixel
     centre = size // 2
     shift = centre + 0.5 - size / 2
     off, v = 0.5 + shift / size, row + 0.5 + shift / size
     x_u, x_row, x_near = m[0, 0], m[0, 1] * v + m[0, 2], m[0, 3]
     y_u, y_row, y_near = m[1, 0], m[1, 1] * v + m[1, 2], m[1, 3]
     z_u, z_row, z_near = m[2, 0], m[2, 1] * v + m[2, 2], m[2, 3]
+    x, y = scratch[2], scratch[3]
     for column in range(start, end):
         j, u = np.uintp(column), column + off
         near = nearness[np.uintp(column * size + centre)]
         depth = z_u * u + z_row + z_near * near
-        if depth <= 0.0:
-            continue
         scale = 1.0 / depth
-        x = (x_u * u + x_row + x_near * near) * scale - shift
-        y = (y_u * u + y_row + y_near * near) * scale - shift
+        across = (x_u * u + x_row + x_near * near) * scale - shift
+        x[j] = across if depth > 0.0 else -1.0
+        y[j] = (y_u * u + y_row + y_near * near) * scale - shift
+
+
+@inlined
+def _add_patch(surfaces: Surfaces, k: int, key: int, start: int, end: int, scratch: F64) -> None:
+    """Add what one keyframe shows of row `k` of the surfaces; see `surface_run`."""
+    grid, patch, share = surfaces.grid, surfaces.patches[k, key], surfaces.weights[k, key]
+    first, width, height = patch[0], patch[3], patch[4]
+    for column in range(start, end):
+        j = np.uintp(column)
+        x, y = scratch[2, j], scratch[3, j]
         if x >= 0.0 and y >= 0.0 and x < width - 1 and y < height - 1:
             value, coverage = _bilinear(grid, first, width, x, y)
-            sums[0, j] += share * value
-            sums[1, j] += share * coverage
+            scratch[0, j] += share * value
+            scratch[1, j] += share * coverage
 
 
 @inlined

@@ -48,15 +48,15 @@ def flat_background(
     if layers.ndim == 1:
         layers = np.broadcast_to(layers[:, None, None], (len(layers), *shape))
     subpixels = np.ascontiguousarray(layers, np.float32)
-    normals = np.zeros((lens.height, lens.width, 3), np.float32)
-    normals[..., 2] = -1
+    normals = np.zeros((3, lens.height, lens.width), np.float32)
+    normals[2] = -1
     centre = slice(supersample // 2, None, supersample)
     return Background(
         pixels=subpixels[:, centre, centre].copy(),
-        subpixels=np.ascontiguousarray(np.moveaxis(subpixels, 0, -1)),
+        subpixels=subpixels,
         subpixel_albedo=np.full(shape, albedo, np.float32),
         subpixel_nearness=np.full(shape, 1 / depth_m, np.float32),
-        depth=np.full((lens.height, lens.width), depth_m, np.float32),
+        nearness=np.full((lens.height, lens.width), 1 / depth_m, np.float32),
         normals=normals,
     )
 

@@ -103,7 +103,7 @@ def test_the_sum_of_the_layers_is_the_image(
     background = world.background(flickering, rectangle)
     layers = 3 if flickering is None else 4
     assert background.pixels.shape == (layers, 48, 64)
-    assert background.subpixels.shape == (96, 128, layers)
+    assert background.subpixels.shape == (layers, 96, 128)
     np.testing.assert_allclose(background.pixels.sum(axis=0), world.image(), rtol=1e-4)
     outside = np.ones((48, 64), bool)
     x0, y0, x1, y1 = rectangle
@@ -158,11 +158,11 @@ def test_albedo_is_luminance_per_lux(world: World) -> None:
 def test_geometry_is_that_of_the_ground(world: World) -> None:
     """Below the horizon at row 24, the ground is height · focal / (row - 24) away."""
     background = world.background(None)
-    np.testing.assert_allclose(background.depth[44], 1.2 * 50 / 20.5, rtol=1e-5)
+    np.testing.assert_allclose(background.nearness[44], 20.5 / (1.2 * 50), rtol=1e-5)
     np.testing.assert_allclose(background.subpixel_nearness[89], 20.75 / (1.2 * 50), rtol=1e-5)
-    np.testing.assert_allclose(background.normals[44], np.tile([0, -1, 0], (64, 1)), atol=1e-6)
-    assert (background.depth[2, 60:] > 1e5).all()
-    assert (background.normals[2, 60:] == 0).all()
+    np.testing.assert_allclose(background.normals[:, 44].T, np.tile([0, -1, 0], (64, 1)), atol=1e-6)
+    assert (background.nearness[2, 60:] < 1e-5).all()
+    assert (background.normals[:, 2, 60:] == 0).all()
 
 
 def test_without_movers_compositing_gives_the_rendered_image(world: World) -> None:
