@@ -117,10 +117,12 @@ def rasterise(
         x0: column of the buffer's first point.
         y0: row of the buffer's first point.
         nearness: (height, width), nearness of the buffer.
-        label: (height, width), labels of the buffer.
+        label: (height, width), labels of the buffer; (0, 0) if only nearness is wanted.
         one_sided: skip triangles that are seen from behind (clockwise, y down).
     """
     height, width = nearness.shape
+    labelled = label.size > 0
+    starts, stops = np.empty(height, np.int64), np.empty(height, np.int64)
     for t in range(len(triangles)):
         ax, ay, az = triangles[t, 0, 0], triangles[t, 0, 1], triangles[t, 0, 2]
         bx, by, bz = triangles[t, 1, 0], triangles[t, 1, 1], triangles[t, 1, 2]
@@ -140,15 +142,21 @@ def rasterise(
         for row in range(first, last):
             y = row + y0 + 0.5
             low, high = row_span(ax, ay, bx, by, long_slope, upper_slope, lower_slope, y)
-            start = max(math.ceil(low - 0.5 - x0), 0)
-            stop = min(math.ceil(high - 0.5 - x0), width)
-            near = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
+            starts[np.uintp(row)] = max(math.ceil(low - 0.5 - x0), 0)
+            stops[np.uintp(row)] = min(math.ceil(high - 0.5 - x0), width)
+        for row in range(first, last):
+            start, stop = starts[np.uintp(row)], stops[np.uintp(row)]
+            y = row + y0 + 0.5
+            i = np.uintp(row)
+            near_start = az + slope_x * (start + x0 + 0.5 - start_x) + slope_y * (y - start_y)
             for column in range(start, stop):
-                i, j = np.uintp(row), np.uintp(column)  # spares a test for negative indices
-                if near > nearness[i, j]:
-                    nearness[i, j] = near
-                    label[i, j] = triangle_label
-                near += slope_x
+                j = np.uintp(column)
+                near = np.float32(near_start + slope_x * (column - start))
+                old = nearness[i, j]
+                closer = near > old
+                nearness[i, j] = near if closer else old
+                if labelled:
+                    label[i, j] = triangle_label if closer else label[i, j]
 
 
 @compiled

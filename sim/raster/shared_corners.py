@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import compiled
+from flybench.kernels import compiled, inlined
 from sim.raster.scan_conversion import clip_triangle
 from sim.raster.triangles import TriangleSoup
 
@@ -45,7 +45,7 @@ def share_corners(soup: TriangleSoup) -> SharedCorners:
 def project_faces(
     corners: F64, faces: I32, focal: float, centre_x: float, centre_y: float, near: float
 ) -> tuple[F64, I32]:
-    """Project triangles and clip them at the near plane.
+    """Project the triangles that face the camera, and clip them at the near plane.
 
     Args:
         corners: (n, 3) corners in the camera's frame: right, down, forward [m].
@@ -56,7 +56,8 @@ def project_faces(
         near: distance of the near plane [m].
 
     Returns:
-        As `sim.raster.scan_conversion.project_triangles`.
+        (m, 3, 3) x, y [grid points] and 1/depth [1/m] of each corner; and (m,) the index of the
+        triangle that each comes from.
     """
     projected, clipped, cut = np.empty_like(corners), np.empty((4, 3)), np.empty((1, 3, 3))
     for k in range(len(corners)):
@@ -68,9 +69,13 @@ def project_faces(
         for i in range(3):
             inside += corners[faces[t, i], 2] >= near
         if inside == 3:
-            for i in range(3):
-                for axis in range(3):
-                    out[count, i, axis] = projected[faces[t, i], axis]
+            a, b, c = faces[t, 0], faces[t, 1], faces[t, 2]
+            if not faces_camera(projected[a], projected[b], projected[c]):
+                continue
+            for axis in range(3):
+                out[count, 0, axis] = projected[a, axis]
+                out[count, 1, axis] = projected[b, axis]
+                out[count, 2, axis] = projected[c, axis]
             source[count] = t
             count += 1
         elif inside > 0:
@@ -82,11 +87,17 @@ def project_faces(
                     k = 0 if i == 0 else fan + i
                     _project(clipped[k], focal, centre_x, centre_y, out[count, i])
                 source[count] = t
-                count += 1
+                count += faces_camera(out[count, 0], out[count, 1], out[count, 2])
     return out[:count], source[:count]
 
 
-@compiled
+@inlined
+def faces_camera(a: F64, b: F64, c: F64) -> bool:
+    """Return True if the corners of a triangle, x to the right and y down, are anticlockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]) < 0.0
+
+
+@inlined
 def _project(corner: F64, focal: float, centre_x: float, centre_y: float, out: F64) -> None:
     """Set x, y [grid points] and 1/depth [1/m] of a corner in the camera's frame."""
     nearness = 1.0 / corner[2]

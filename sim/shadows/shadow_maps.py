@@ -16,7 +16,7 @@ import numpy.typing as npt
 from flybench.kernels import compiled
 from sim.geometry.rigid_transform import axes_along, compose_transforms, world_to_frame
 from sim.raster.scan_conversion import rasterise, transform_points
-from sim.raster.shared_corners import SharedCorners, project_faces
+from sim.raster.shared_corners import SharedCorners, faces_camera, project_faces
 from sim.scene.moving_objects import MovingObject
 
 F32 = npt.NDArray[np.float32]
@@ -126,17 +126,22 @@ def _rasterise_map(
         texel, and rows and columns in use; no rows if all is behind the lamp.
     """
     if is_sun:
-        texel, triangles = TEXEL_M, np.empty((len(faces), 3, 3))
+        texel, triangles, count = TEXEL_M, np.empty((len(faces), 3, 3)), 0
         for t in range(len(faces)):
-            for i in range(3):
-                triangles[t, i] = corners[faces[t, i]]
-                triangles[t, i, 2] *= -1.0
+            a, b, c = corners[faces[t, 0]], corners[faces[t, 1]], corners[faces[t, 2]]
+            if faces_camera(a, b, c):
+                triangles[count, 0], triangles[count, 1], triangles[count, 2] = a, b, c
+                count += 1
+        triangles = triangles[:count]
+        triangles[:, :, 2] *= -1.0
     else:
         farthest_m = corners[:, 2].max()
         if farthest_m < LAMP_NEAR_M:
             return 0.0, 0.0, 0.0, 0, 0
         texel = TEXEL_M / farthest_m
         triangles, _ = project_faces(corners, faces, 1.0, 0.0, 0.0, LAMP_NEAR_M)
+    if not len(triangles):
+        return 0.0, 0.0, 0.0, 0, 0
     low_x, high_x = triangles[:, :, 0].min(), triangles[:, :, 0].max()
     low_y, high_y = triangles[:, :, 1].min(), triangles[:, :, 1].max()
     texel = max(texel, max(high_x - low_x, high_y - low_y) / (MAP_SIDE - 7))
@@ -147,7 +152,8 @@ def _rasterise_map(
         for i in range(3):
             triangles[t, i, 0] = triangles[t, i, 0] / texel - left
             triangles[t, i, 1] = triangles[t, i, 1] / texel - top
-    used, unused = out[:rows, :columns], np.empty((rows, columns), np.int32)
+    used = out[:rows, :columns]
     used[:] = NO_CASTER
-    rasterise(triangles, np.zeros(len(triangles), np.int32), 0, 0, used, unused, True)
+    no_label = np.empty((0, 0), np.int32)
+    rasterise(triangles, np.empty(len(triangles), np.int32), 0, 0, used, no_label, True)
     return texel, left, top, rows, columns
