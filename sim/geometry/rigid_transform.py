@@ -36,11 +36,6 @@ def transform_point(moves: F64, k: int, x: float, y: float, z: float) -> tuple[f
     )
 
 
-def world_to_frame(axes: F64, place_m: F64) -> F64:
-    """Return the (3, 4) transform from the world to a frame at `place_m` with rows `axes`."""
-    return np.column_stack([axes, -axes @ place_m])
-
-
 def body_poses(data: mujoco.MjData) -> F64:
     """Return the (bodies, 3, 4) transforms from the frame of each body to the world."""
     return np.concatenate([data.xmat.reshape(-1, 3, 3), data.xpos[:, :, None]], axis=2)
@@ -51,6 +46,16 @@ def compose_transforms(before: F64, after: F64) -> F64:
     moved: F64 = after[..., :3] @ before
     moved[..., 3] += after[..., 3]
     return moved
+
+
+@inlined
+def chain(before: F64, after: F64, out: F64) -> None:
+    """Set `out` to the (3, 4) transform that applies `before`, then `after`."""
+    for i in range(3):
+        for j in range(4):
+            out[i, j] = after[i, 3] if j == 3 else 0.0
+            for k in range(3):
+                out[i, j] += after[i, k] * before[k, j]
 
 
 def inverse_transform(transforms: F64) -> F64:

@@ -17,7 +17,7 @@ from sim.geometry.rectangles import Rectangle
 from sim.keyframes.background import Background
 from sim.keyframes.background_light import light_pixel_centres, light_subpixels
 from sim.keyframes.canvas import Canvas
-from sim.keyframes.pixel_labels import dilate, label_pixels, mark_edges
+from sim.keyframes.pixel_labels import dilate, mark_edges
 from sim.keyframes.surface_lookup import Surfaces, surface_luminance, surface_run
 from sim.raster.aperture import aperture_weights
 from sim.shadows.shadows_and_beams import ShadowsAndBeams
@@ -73,8 +73,8 @@ def composite(
     """Composite a rectangle of the image.
 
     Args:
-        canvas: the canvas, with the moving parts in `label` and `nearness`, and the background as
-            without moving objects in `image`. Everything else is overwritten.
+        canvas: the canvas, with the moving parts in `label`, `nearness` and `pixel_label`, and the
+            background as without moving objects in `image`. Everything else is overwritten.
         background: the static background.
         effects: shadows and beams at this time.
         surfaces: surfaces of the moving parts.
@@ -83,7 +83,6 @@ def composite(
         rectangle: x0, y0, x1, y1 [px].
     """
     supersample = len(seen.weights) // 3
-    label_pixels(canvas.label, supersample, rectangle, canvas.pixel_label)
     light_pixel_centres(canvas, background, effects, projection, rectangle)
     mark_edges(canvas.pixel_label, canvas.in_beam, rectangle, canvas.marked, canvas.scratch)
     dilate(canvas.marked, rectangle, canvas.scratch)
@@ -142,6 +141,7 @@ def _blend_edge_pixels(
     weights = seen.weights
     size = len(weights) // 3
     columns = np.empty((2, x1 * size)), np.empty((2, x1 * size), np.int32)
+    offsets = seen.order[:, 0] * canvas.label.shape[1] + seen.order[:, 1]
     parts, coverage = np.empty((9 * size * size, 3), np.int64), np.empty(9 * size * size)
     for row in range(y0, y1):
         column, end = x0, x0
@@ -158,7 +158,7 @@ def _blend_edge_pixels(
                 weights, row, column, rectangle, *columns
             )
             if highest >= 0 and lowest == highest:
-                i, j = _nearest(canvas.label, seen, highest, row, column, rectangle)
+                i, j = _nearest(canvas.label, seen, offsets, highest, row, column, rectangle)
                 light = _part_luminance(canvas, surfaces, size, highest, row, column, i, j)
                 value += (total - open_share) * light
             elif highest >= 0:
@@ -311,19 +311,41 @@ def _off_centre(row: int, column: int, size: int) -> int:
 
 @inlined
 def _nearest(
-    label: I32, seen: Aperture, part: int, row: int, column: int, rectangle: Rectangle
+    label: I32,
+    seen: Aperture,
+    offsets: I64,
+    part: int,
+    row: int,
+    column: int,
+    rectangle: Rectangle,
 ) -> tuple[int, int]:
-    """Return row and column of the sub-pixel of a part that is nearest to a pixel's centre."""
+    """Return row and column of the sub-pixel of a part that is nearest to a pixel's centre.
+
+    Args:
+        label: labels of the sub-pixels.
+        seen: aperture of a pixel.
+        offsets: distance of each sub-pixel of `seen.order` from the first of the aperture in the
+            flattened labels.
+        part: number of a part that is in the aperture.
+        row: row of the pixel.
+        column: column of the pixel.
+        rectangle: x0, y0, x1, y1 [px]; what lies outside does not count.
+    """
     x0, y0, x1, y1 = rectangle
-    size = len(seen.weights) // 3
-    above, first = (row - 1) * size, (column - 1) * size
-    inside = x0 < column < x1 - 1 and y0 < row < y1 - 1
-    for k in range(len(seen.order)):
-        i, j = above + seen.order[np.uintp(k), 0], first + seen.order[np.uintp(k), 1]
-        reached = inside or (y0 * size <= i < y1 * size and x0 * size <= j < x1 * size)
-        if reached and label[np.uintp(i), np.uintp(j)] == part:
-            return i, j
-    return above, first
+    size, flat = len(seen.weights) // 3, label.reshape(-1)
+    above, first, k = (row - 1) * size, (column - 1) * size, 0
+    if x0 < column < x1 - 1 and y0 < row < y1 - 1:
+        start = above * label.shape[1] + first
+        while flat[np.uintp(start + offsets[np.uintp(k)])] != part:
+            k += 1
+    else:
+        i, j = above + seen.order[0, 0], first + seen.order[0, 1]
+        while not (
+            y0 * size <= i < y1 * size and x0 * size <= j < x1 * size and label[i, j] == part
+        ):
+            k += 1
+            i, j = above + seen.order[k, 0], first + seen.order[k, 1]
+    return above + seen.order[np.uintp(k), 0], first + seen.order[np.uintp(k), 1]
 
 
 @inlined

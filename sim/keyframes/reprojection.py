@@ -32,6 +32,7 @@ from sim.keyframes.background import (
 from sim.keyframes.canvas import blank_canvas, show_bodies, wipe
 from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
+from sim.keyframes.pixel_labels import label_pixels
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.renderings import Renderings
 from sim.keyframes.rotation_warp import SHAKE_SCALE, rotated_image
@@ -39,7 +40,7 @@ from sim.keyframes.store import KeyframeStore
 from sim.raster.aperture import (
     LENS_BLUR_PX,
 )
-from sim.raster.scan_conversion import rasterise
+from sim.raster.scan_conversion import NO_LABEL, rasterise
 from sim.raster.triangles import triangle_soup
 from sim.raster.visibility import visibility_map
 from sim.render.filament import Luminance
@@ -153,6 +154,7 @@ class Reprojection:
         ).body
         self._canvas = blank_canvas(self._background)
         self._drawn: list[Rectangle] = []
+        self._lit: list[Rectangle] = [image_rectangle(self._wide)]
 
     def render(self, t_us: int) -> RenderedSample:
         """Render the sample at a time [µs]; times must not decrease."""
@@ -174,14 +176,19 @@ class Reprojection:
         flicker = self._scene.flicker_factor(self._seconds(t_us))
         gains = self._gains(flicker)
         if self._flickering is None:
-            canvas.image[:] = self._static_image
+            for x0, y0, x1, y1 in self._lit:
+                canvas.image[y0:y1, x0:x1] = self._static_image[y0:y1, x0:x1]
         else:
             canvas.image[:] = np.tensordot(
                 gains.astype(np.float32), self._background.pixels, axes=1
             )
         affected = self._areas.find(self._data)
         self._draw_outlines(poses, body)
-        rectangles = merge_overlapping(self._drawn + affected.rectangles)
+        self._lit = rectangles = merge_overlapping(self._drawn + affected.rectangles)
+        for x0, y0, x1, y1 in rectangles:
+            canvas.pixel_label[y0:y1, x0:x1] = NO_LABEL
+        for rectangle in self._drawn:
+            label_pixels(canvas.label, self._supersample, rectangle, canvas.pixel_label)
         if rectangles:
             effects = self._effects.render(self._data, poses, affected, gains)
             views = compose_transforms(poses, self._pose.world_to_camera)

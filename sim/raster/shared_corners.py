@@ -94,7 +94,8 @@ def project_faces(
 @inlined
 def faces_camera(a: F64, b: F64, c: F64) -> bool:
     """Return True if the corners of a triangle, x to the right and y down, are anticlockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]) < 0.0
+    area = float((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
+    return area < 0.0
 
 
 @inlined

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.rigid_transform import axes_along, compose_transforms, world_to_frame
+from sim.geometry.rigid_transform import axes_along, chain
 from sim.raster.scan_conversion import rasterise, transform_points
 from sim.raster.shared_corners import SharedCorners, faces_camera, project_faces
 from sim.scene.moving_objects import MovingObject
@@ -99,32 +99,44 @@ def render_shadow_map(
     if not len(caster.faces):
         return None
     origin_m = data.xpos[obj.root] if source.is_sun else source.position_m
-    to_light = world_to_frame(source.axes, origin_m)
-    corners = transform_points(caster.corners_m, caster.body, compose_transforms(poses, to_light))
-    texel, left, top, rows, columns = _rasterise_map(corners, caster.faces, source.is_sun, out)
-    if not rows:
-        return None
-    last = -to_light[2:] if source.is_sun else to_light[2:]
-    shift = np.outer([left, top], [0, 0, 0, 1] if source.is_sun else to_light[2])
-    return ShadowMap(np.concatenate([to_light[:2] / texel - shift, last]), (rows, columns))
+    corners = caster.corners_m, caster.body, caster.faces
+    view, rows, columns = _rasterise_map(source.axes, origin_m, source.is_sun, *corners, poses, out)
+    return ShadowMap(view, (rows, columns)) if rows else None
 
 
 @compiled
 def _rasterise_map(
-    corners: F64, faces: I32, is_sun: bool, out: F32
-) -> tuple[float, float, float, int, int]:
+    axes: F64,
+    origin_m: F64,
+    is_sun: bool,
+    corners_m: F64,
+    body: I32,
+    faces: I32,
+    poses: F64,
+    out: F32,
+) -> tuple[F64, int, int]:
     """Rasterise a shadow map.
 
     Args:
-        corners: (n, 3) corners in the light's frame: right, down, away [m].
-        faces: (m, 3) corners of each triangle.
+        axes: (3, 3) axes of the light; see `ShadowSource`.
+        origin_m: (3,) origin of the light's frame.
         is_sun: True for the sun.
+        corners_m: (n, 3) corners of the caster in the frames of their bodies [m].
+        body: (n,) number of the body that each corner belongs to.
+        faces: (m, 3) corners of each triangle.
+        poses: (bodies, 3, 4) transform from each body's frame into the world.
         out: the map is written to its upper left part.
 
     Returns:
-        Side of a texel [m, or m per m of distance for a lamp], column and row of the map's first
-        texel, and rows and columns in use; no rows if all is behind the lamp.
+        View of the map, see `ShadowMap`, and rows and columns in use; no rows if all is behind the
+        lamp.
     """
+    view, to_light = np.empty((3, 4)), np.empty_like(poses)
+    for axis in range(3):
+        view[axis, :3], view[axis, 3] = axes[axis], -np.dot(axes[axis], origin_m)
+    for k in range(len(poses)):
+        chain(poses[k], view, to_light[k])
+    corners = transform_points(corners_m, body, to_light)
     if is_sun:
         texel, triangles, count = TEXEL_M, np.empty((len(faces), 3, 3)), 0
         for t in range(len(faces)):
@@ -137,11 +149,11 @@ def _rasterise_map(
     else:
         farthest_m = corners[:, 2].max()
         if farthest_m < LAMP_NEAR_M:
-            return 0.0, 0.0, 0.0, 0, 0
+            return view, 0, 0
         texel = TEXEL_M / farthest_m
         triangles, _ = project_faces(corners, faces, 1.0, 0.0, 0.0, LAMP_NEAR_M)
     if not len(triangles):
-        return 0.0, 0.0, 0.0, 0, 0
+        return view, 0, 0
     low_x, high_x = triangles[:, :, 0].min(), triangles[:, :, 0].max()
     low_y, high_y = triangles[:, :, 1].min(), triangles[:, :, 1].max()
     texel = max(texel, max(high_x - low_x, high_y - low_y) / (MAP_SIDE - 7))
@@ -156,4 +168,12 @@ def _rasterise_map(
     used[:] = NO_CASTER
     no_label = np.empty((0, 0), np.int32)
     rasterise(triangles, np.empty(len(triangles), np.int32), 0, 0, used, no_label, True)
-    return texel, left, top, rows, columns
+    view[:2] /= texel
+    if is_sun:
+        view[0, 3] -= left
+        view[1, 3] -= top
+        view[2] *= -1.0
+    else:
+        view[0] -= left * view[2]
+        view[1] -= top * view[2]
+    return view, rows, columns

@@ -9,6 +9,7 @@ from sim.geometry.pinhole import Intrinsics, Pose, Projection
 from sim.keyframes.background import Background
 from sim.keyframes.canvas import blank_canvas
 from sim.keyframes.compositing import aperture, composite
+from sim.keyframes.pixel_labels import label_pixels
 from sim.keyframes.surface_lookup import Surfaces
 from sim.raster.aperture import LENS_BLUR_PX
 from sim.raster.scan_conversion import NO_LABEL
@@ -113,6 +114,7 @@ def composited(
     part = np.s_[y0 * supersample : y1 * supersample, x0 * supersample : x1 * supersample]
     canvas.label[part] = np.full(shape, NO_LABEL, np.int32) if label is None else label
     canvas.nearness[part] = np.ones(shape, np.float32) if nearness is None else nearness
+    label_pixels(canvas.label, supersample, (x0, y0, x1, y1), canvas.pixel_label)
     composite(
         canvas,
         background,

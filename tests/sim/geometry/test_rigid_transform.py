@@ -9,9 +9,9 @@ from sim.geometry.pinhole import Intrinsics, Pose, project
 from sim.geometry.rigid_transform import (
     axes_along,
     body_poses,
+    chain,
     compose_transforms,
     inverse_transform,
-    world_to_frame,
 )
 
 F64 = npt.NDArray[np.float64]
@@ -67,11 +67,11 @@ def test_axes_look_along_their_direction(direction: F64) -> None:
         assert axes[1, 2] < 0
 
 
-def test_the_transform_into_a_frame_takes_its_origin_to_zero() -> None:
-    axes, place = axes_along(np.array([0.6, 0.0, -0.8])), np.array([1.0, 2.0, 3.0])
-    move = world_to_frame(axes, place)
-    np.testing.assert_allclose(move @ [*place, 1], 0, atol=1e-12)
-    np.testing.assert_allclose(move @ [*(place + 5 * axes[2]), 1], [0, 0, 5], atol=1e-12)
+def test_a_chain_is_the_composition_of_two_transforms() -> None:
+    first, then = random_transforms(2, seed=5)
+    out = np.empty((3, 4))
+    chain(first, then, out)
+    np.testing.assert_allclose(out, compose_transforms(first, then))
 
 
 def test_in_the_cameras_frame_points_are_where_it_projects_them() -> None:
