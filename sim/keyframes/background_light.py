@@ -302,12 +302,17 @@ def _shade_run(
     for shadow in range(len(effects.light)):
         if shadows >> shadow & 1 == 0:
             continue
-        share = scratch.share[effects.light[shadow]]
-        _find_shares(effects, shadow, points, nearness, start * size, end * size, shares)
-        for column in range(start, end):
-            if plan.shadows[np.uintp(column)] >> shadow & 1:
-                for j in range(column * size, (column + 1) * size):
+        share, column = scratch.share[effects.light[shadow]], start
+        while column < end:
+            stop = column
+            while stop < end and plan.shadows[np.uintp(stop)] >> shadow & 1:
+                stop += 1
+            if stop > column:
+                first, last = column * size, stop * size
+                _find_shares(effects, shadow, points, nearness, first, last, shares)
+                for j in range(first, last):
                     share[np.uintp(j)] *= shares[0, np.uintp(j)]
+            column = stop + 1
 
 
 @inlined
