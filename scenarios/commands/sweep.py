@@ -15,6 +15,7 @@ from scenarios.errors import ScenarioError
 from scenarios.options.cache import CacheOptions
 from scenarios.options.sensor import SensorOptions
 from scenarios.output.atomic_file import atomic_file, check_output_file
+from scenarios.output.numbers import counted
 from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say, table_width
 from scenarios.output.terminal import run_cli
@@ -110,7 +111,7 @@ class Sweep:
                 run,
                 self.cache,
                 use_all_cores=self.jobs == 1,
-                progress=bar.track(f"{name}, {len(plan.points)} points"),
+                progress=bar.track(f"{name}, {counted(len(plan.points), 'point')}"),
             )
         print_result(result, plan.points, folder)
         if self.plot is not None and not result.failed:
@@ -152,15 +153,18 @@ def print_points(points: Sequence[Point], finished: int) -> None:
     console = SafeConsole(width=table_width())
     console.print(table)
     sequences = group_by_sequence(point.config for point in points)
-    console.print(f"{len(points)} points of {len(sequences)} sequences; {finished} are finished")
+    console.print(
+        f"{counted(len(points), 'point')} of {counted(len(sequences), 'sequence')}; {finished} "
+        "finished"
+    )
 
 
 def print_result(result: SweepResult, points: Sequence[Point], folder: Path) -> None:
     """Print what was written, what was reused, and what failed."""
     if result.unused:
         say(
-            f"{result.unused} finished points in {folder} are from another file or other code. "
-            "They are kept, but are not in the table."
+            f"{folder} also has {counted(result.unused, 'finished point')} from another file or "
+            "other code. This is kept, but is not in the table."
         )
     by_reason: dict[str, list[Point]] = {}
     for point, reason in result.failed:
@@ -170,14 +174,14 @@ def print_result(result: SweepResult, points: Sequence[Point], folder: Path) -> 
         say(f"failed: {_describe(failed[0])}{more}: {reason}")
     if result.failed:
         say(
-            f"{len(result.failed)} of {len(points)} points failed, so no table is written. The "
-            "results of the others are kept. Remove the cause, or these points from the file, and "
-            "start again."
+            f"{len(result.failed)} of {counted(len(points), 'point')} failed, so no table is "
+            "written. The results of the others are kept. Remove the cause, or these points from "
+            "the file, and start again."
         )
         return
     say(
-        f"wrote {folder / CSV} and {PARQUET} in the same folder: {len(points)} points, of which "
-        f"{result.reused} were finished before"
+        f"wrote {folder / CSV} and {PARQUET} in the same folder: {counted(len(points), 'point')}, "
+        f"{result.reused} finished before"
     )
 
 

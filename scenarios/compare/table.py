@@ -11,6 +11,7 @@ from rich.table import Table
 from formats import EventFile
 from scenarios.compare.compared import Compared, Unit, busiest_shared
 from scenarios.event_statistics.recording_statistics import RecordingStatistics
+from scenarios.output.numbers import counted
 
 ABSENT = "–"
 _DECIMALS = {Unit.EVENTS: 2, Unit.LOG: 2}
@@ -74,12 +75,13 @@ def notes(statistics: tuple[RecordingStatistics, RecordingStatistics]) -> list[s
 def _summary(file: EventFile, found: RecordingStatistics) -> str:
     rate_mev_s = found.events / found.span_us
     parts = [
-        f"{found.events:,} events in {found.span_us * 1e-6:,.3f} s ({rate_mev_s:.3g} Mev/s)",
-        f"{found.frames:,} frames",
+        f"{counted(found.events, 'event')} in {found.span_us * 1e-6:,.3f} s "
+        f"({rate_mev_s:.3g} Mev/s)",
+        counted(found.frames, "frame"),
         f"{100 * found.quiet_share:.0f} % of pixels quiet",
     ]
     if file.sorted_events is not None:
-        parts.append(f"{file.sorted_events:,} late events sorted")
+        parts.append(f"{counted(file.sorted_events, 'late event')} sorted")
     if file.dropped_events is not None:
-        parts.append(f"{file.dropped_events:,} events out of order dropped")
+        parts.append(f"{counted(file.dropped_events, 'event')} out of order dropped")
     return ", ".join(parts)

@@ -11,6 +11,7 @@ from scenarios.dataset.draws import Draws
 from scenarios.dataset.labels.kinds import CONTENTS
 from scenarios.dataset.plan import DatasetPlan
 from scenarios.dataset.sequence_plan import code_digest
+from scenarios.output.numbers import counted
 from scenarios.output.versions import versions
 from scenarios.sweep.random_sample import Distribution
 
@@ -55,8 +56,8 @@ def card_text(plan: DatasetPlan, summaries: Summaries) -> str:
     parts = [
         _metadata(plan),
         f"# {spec.title}\n",
-        f"A synthetic dataset of an event camera: {len(summaries)} sequences in which "
-        f"{_scene(plan)}, with exact labels. It was rendered and emulated by flybench "
+        f"A synthetic dataset of an event camera: {counted(len(summaries), 'sequence')} in "
+        f"which {_scene(plan)}, with exact labels. It was rendered and emulated by flybench "
         f"{versions()['flybench']}; no real recording is part of it.\n",
         "![One sequence of each split, and the statistics](overview.png)\n",
         "## Splits\n",

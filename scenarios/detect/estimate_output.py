@@ -19,6 +19,7 @@ from flybench.direction import Direction
 from formats import EventFile
 from scenarios.detect.spans import Span
 from scenarios.detect.verdict import RecordingVerdict
+from scenarios.output.numbers import counted
 from scenarios.recording.entities import ARROW
 from scenarios.styles.method_style import method_style
 
@@ -209,13 +210,13 @@ def file_rows(file: EventFile) -> list[tuple[str, str]]:
         ("frames", f"{found.frames:,}"),
     ]
     if found.imu or found.triggers:
-        rows.append(("IMU, triggers", f"{found.imu:,} samples, {found.triggers:,}"))
+        rows.append(("IMU, triggers", f"{counted(found.imu, 'sample')}, {found.triggers:,}"))
     if file.origin_us:
         rows.insert(4, ("time origin", f"{file.origin_us:,} µs in the file"))
     if file.sorted_events is not None:
-        rows.append(("sorted", f"{file.sorted_events:,} late events"))
+        rows.append(("sorted", counted(file.sorted_events, "late event")))
     if file.dropped_events is not None:
-        rows.append(("dropped", f"{file.dropped_events:,} events out of order"))
+        rows.append(("dropped", f"{counted(file.dropped_events, 'event')} out of order"))
     return rows
 
 

@@ -16,6 +16,7 @@ from scenarios.detect.plot_data import DIRECTIONS, SNAPSHOT_US, PlotData, Snapsh
 from scenarios.detect.verdict import RecordingVerdict
 from scenarios.output.colours import OFF, ON, hex_of
 from scenarios.output.figures import figure_file, literal
+from scenarios.output.numbers import counted
 from scenarios.styles.method_style import MethodStyle, method_style
 
 SIZE_IN = (11.0, 6.4)
@@ -142,7 +143,7 @@ def _draw_responses(
     times_s = np.asarray(data.t_us) * 1e-6
     _shade_directions(axes, times_s, np.asarray(data.direction))
     _outline_spans(axes, verdict)
-    axes.set_title(f"{verdict.steps:,} steps: {verdict.shares_text}")
+    axes.set_title(f"{counted(verdict.steps, 'step')}: {verdict.shares_text}")
     axes.plot(times_s, np.asarray(data.hs), color=style.colour, label="HS, rightward > 0")
     axes.plot(times_s, np.asarray(data.vs), color=VS, label="VS, downward > 0")
     axes.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)

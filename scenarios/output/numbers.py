@@ -7,6 +7,11 @@ import math
 THIN_SPACE, MINUS = "\u202f", "−"
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, whose plural ends in s: "1 step", "2,000 steps"."""
+    return f"{number:,} {noun}" + ("" if number == 1 else "s")
+
+
 def plain_number(value: float, digits: int = 3) -> str:
     """Format a number to a few digits, without an exponent: 80 500, 8.05, 0.000805.
 

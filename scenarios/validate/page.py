@@ -8,6 +8,7 @@ from itertools import groupby
 from pathlib import Path
 
 from scenarios.output.html import render
+from scenarios.output.numbers import counted
 from scenarios.styles.method_style import method_style
 from scenarios.validate.manifest import Manifest, Recording
 from scenarios.validate.results import WindowResult, cells, head, totals
@@ -113,5 +114,5 @@ def _variant(score: Score) -> str:
     if score.note:
         return "–"
     if score.failed:
-        return f"failed after {score.steps} steps"
+        return f"failed after {counted(score.steps, 'step')}"
     return f"{score.right} of {score.steps} right; {score.verdict}"

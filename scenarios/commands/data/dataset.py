@@ -18,6 +18,7 @@ from scenarios.dataset.run import DatasetResult, Runner, needed_bytes, run_datas
 from scenarios.dataset.sequence_plan import SequencePlan
 from scenarios.dataset.size import duration_s, estimated_bytes
 from scenarios.errors import ScenarioError
+from scenarios.output.numbers import counted
 from scenarios.output.progress import progress_bar
 from scenarios.output.streams import SafeConsole, say, table_width
 from scenarios.output.terminal import run_cli
@@ -64,7 +65,7 @@ class Dataset:
             print_plan(plan, len(finished_sequences(folder, plan.sequences)))
             return 0
         with progress_bar(_SPEED_OVER_S) as bar:
-            advance = bar.track(f"{self.file.stem}, {len(plan.sequences)} sequences")
+            advance = bar.track(f"{self.file.stem}, {counted(len(plan.sequences), 'sequence')}")
             result = run_dataset(
                 plan,
                 folder,
@@ -99,8 +100,8 @@ def print_plan(plan: DatasetPlan, finished: int) -> None:
     console.print(table)
     size = sum(map(estimated_bytes, plan.sequences))
     console.print(
-        f"{len(plan.sequences)} sequences, together about {_seconds(plan.sequences):.0f} s and "
-        f"{megabytes(size)}; {finished} are finished"
+        f"{counted(len(plan.sequences), 'sequence')}, together about "
+        f"{_seconds(plan.sequences):.0f} s and {megabytes(size)}; {finished} finished"
     )
 
 
@@ -108,8 +109,8 @@ def print_result(result: DatasetResult, folder: Path) -> None:
     """Print what was made, and what the labels cost."""
     made, all_of_them = len(result.costs), len(result.summaries)
     say(
-        f"wrote {folder} and {CHECKSUMS} in it: {all_of_them} sequences, "
-        f"{megabytes(result.size_bytes)}; {all_of_them - made} were finished before"
+        f"wrote {folder} and {CHECKSUMS} in it: {counted(all_of_them, 'sequence')}, "
+        f"{megabytes(result.size_bytes)}; {all_of_them - made} finished before"
     )
     if made:
         events_s = sum(cost.events_s for cost in result.costs)

@@ -91,7 +91,8 @@ def _verdict(overall: Interval, better: Sequence[str], worse: Sequence[str]) -> 
 
 def _points(gain: Interval) -> str:
     scaled = Interval(100 * gain.mean, 100 * gain.low, 100 * gain.high, gain.number)
-    return format_interval(scaled, "percentage points", digits=2)
+    text = format_interval(scaled, digits=2)
+    return f"{text} percentage point" + ("" if text == "1" else "s")
 
 
 def _tables(rows: Sequence[Row]) -> tuple[SmallTable, ...]:

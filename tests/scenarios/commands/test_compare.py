@@ -84,7 +84,7 @@ def test_events_that_were_dropped_are_counted(
     options = RecordingOptions(size="32x24", drop_unsorted=True)
     assert execute(Compare(file, file, input=options)) == 0
     assert "3 events in 0.001 s" in (out := capsys.readouterr().out)
-    assert out.count("1 events out of order dropped") == 2
+    assert out.count("1 event out of order dropped") == 2
 
 
 def test_the_figure_can_be_drawn_of_almost_nothing(tmp_path: Path) -> None:

@@ -113,11 +113,11 @@ def test_late_events_are_sorted_or_dropped_and_counted(
     assert not out.exists()
     assert Convert(source, out, input=RecordingOptions("346x260", sort=3.0)).execute() == 0
     assert np.array_equal(read_events(out), late[np.argsort(late["t"], kind="stable")])
-    assert "1 late events" in capsys.readouterr().out
+    assert "1 late event" in capsys.readouterr().out
     options = RecordingOptions("346x260", drop_unsorted=True)
     assert Convert(source, out, input=options, overwrite=True).execute() == 0
     assert np.array_equal(read_events(out), np.delete(late, 1500))
-    assert "1 events out of order" in capsys.readouterr().out
+    assert "1 event out of order" in capsys.readouterr().out
 
 
 def test_late_events_before_damage_are_counted_too(
@@ -130,7 +130,7 @@ def test_late_events_before_damage_are_counted_too(
     options = RecordingOptions(sort=3.0)
     assert Convert(source, out, salvage=True, input=options).execute() == 0
     assert np.array_equal(read_events(out), E[:-1])
-    assert "1 late events" in capsys.readouterr().out
+    assert "1 late event" in capsys.readouterr().out
 
 
 def test_what_the_format_cannot_contain_is_named(

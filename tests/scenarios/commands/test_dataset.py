@@ -24,7 +24,7 @@ def test_a_dry_run_lists_the_sequences_and_writes_nothing(
     assert Dataset(spec, out=tmp_path / "out", dry_run=True).execute() == 0
     printed = capsys.readouterr().out
     assert "3 sequences, together about " in printed
-    assert "0 are finished" in printed
+    assert "0 finished" in printed
     assert all(name in printed for name in ("train/0001", "test/0000", "crossing.omega_rad_s"))
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
 
@@ -43,7 +43,7 @@ def test_a_dataset_is_written_and_resumed(
     assert Dataset(spec, out=out, jobs=1).execute() == 0
     printed = capsys.readouterr().out
     assert "checksums.sha256 in it: 3 sequences, " in printed
-    assert "0 were finished before" in printed
+    assert "0 finished before" in printed
     assert "CPU time of a sequence: " in printed
     assert {path.name for path in (out / "train/0000").iterdir()} == {
         "events",
@@ -54,7 +54,7 @@ def test_a_dataset_is_written_and_resumed(
     }
     assert Dataset(spec, out=out).execute() == 0
     printed = capsys.readouterr().out
-    assert "3 were finished before" in printed
+    assert "3 finished before" in printed
     assert "CPU time" not in printed
 
 

@@ -54,10 +54,10 @@ def test_a_sweep_writes_its_table_and_can_be_repeated(
         command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
     )
     assert done.returncode == 0, done.stderr
-    assert "2 points, of which 0 were finished before" in done.stdout
+    assert "2 points, 0 finished before" in done.stdout
     before = (tmp_path / "out" / "results.csv").read_bytes()
     assert Sweep(file, out=tmp_path / "out").execute() == 0
-    assert "2 points, of which 2 were finished before" in capsys.readouterr().out
+    assert "2 points, 2 finished before" in capsys.readouterr().out
     assert (tmp_path / "out" / "results.csv").read_bytes() == before
     with (tmp_path / "out" / "results.csv").open(newline="") as table:
         fly, plane = list(csv.DictReader(table))
@@ -74,11 +74,11 @@ def test_a_dry_run_prints_points_and_writes_nothing(
     assert Sweep(file, out=tmp_path / "out", dry_run=True).execute() == 0
     printed = capsys.readouterr().out
     assert "plane-fit" in printed
-    assert "2 points of 1 sequences; 0 are finished" in printed
+    assert "2 points of 1 sequence; 0 finished" in printed
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
     sweep_in_process(file, tmp_path / "out")
     Sweep(file, out=tmp_path / "out", dry_run=True).execute()
-    assert "2 are finished" in capsys.readouterr().out
+    assert "2 finished" in capsys.readouterr().out
 
 
 def test_all_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -117,4 +117,4 @@ def test_a_failed_point_is_printed_and_sets_the_exit_status(
     printed = capsys.readouterr().out
     assert f"failed: method = {FAILING}: {FAILING}: push raised an error after " in printed
     assert "RuntimeError: no nectar (quick_sweep.py, line" in printed
-    assert "1 of 1 points failed, so no table is written" in printed
+    assert "1 of 1 point failed, so no table is written" in printed

@@ -1,6 +1,6 @@
 import pytest
 
-from scenarios.output.numbers import plain_number
+from scenarios.output.numbers import counted, plain_number
 
 
 @pytest.mark.parametrize(
@@ -24,3 +24,7 @@ def test_numbers_have_three_digits_and_no_exponent(value: float, text: str) -> N
 
 def test_the_number_of_digits_can_be_chosen() -> None:
     assert plain_number(98.76, 2) == "99"
+
+
+def test_a_noun_is_singular_only_after_1() -> None:
+    assert [counted(n, "step") for n in (0, 1, 2_000)] == ["0 steps", "1 step", "2,000 steps"]
