@@ -8,6 +8,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from detector.event_checks import check_chunk
 from detector.fly.detector import FlyConfig, FlyDetector
+from detector.fly.saturating_surface import SaturatingSurfaces
 from detector.fly.time_surface import TimeSurfaces
 from flybench.events import EVENT_DTYPE, Events
 
@@ -47,14 +48,16 @@ def test_push(benchmark: BenchmarkFixture, chunk: int) -> None:
 @pytest.mark.benchmark(
     group="2 M events accumulated without estimates, by chunk [CPU]", timer=process_time
 )
+@pytest.mark.parametrize("preset", ["paper", "robust"])
 @pytest.mark.parametrize("chunk", [100, 1_000, 10_000, 100_000, 1_000_000])
-def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
-    """Event checks and time surfaces, without estimates."""
-    events, config = moving_block(), FlyConfig()
+def test_accumulation(benchmark: BenchmarkFixture, chunk: int, preset: str) -> None:
+    """Event checks and time surfaces, without estimates; those of `wide` are the paper's."""
+    events, config = moving_block(), FlyConfig.preset(preset)
+    kind = SaturatingSurfaces if preset == "robust" else TimeSurfaces
     chunks = [events[start : start + chunk] for start in range(0, EVENTS, chunk)]
 
     def run() -> None:
-        surfaces = TimeSurfaces(config, width=346, height=260)
+        surfaces: SaturatingSurfaces | TimeSurfaces = kind(config, width=346, height=260)
         hop = 0
         for part in chunks:
             check_chunk(part, width=346, height=260, now_us=surfaces.last_event_us)
@@ -74,7 +77,7 @@ def test_accumulation(benchmark: BenchmarkFixture, chunk: int) -> None:
 @pytest.mark.benchmark(
     group="one estimate, stages that process the whole image [CPU]", timer=process_time
 )
-@pytest.mark.parametrize("preset", ["paper", "wide"])
+@pytest.mark.parametrize("preset", ["paper", "wide", "robust"])
 def test_estimate(benchmark: BenchmarkFixture, preset: str) -> None:
     """Averages, T4/T5, attention and tangential cells of one estimate."""
     events = moving_block()
