@@ -7,12 +7,14 @@ value for each seed. It is valid for other sensors that see the same scene, not 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
-from scipy.stats import sem, t
+import numpy as np
+from scipy.special import stdtrit
 
 from scenarios.study.rows import Row
 
@@ -81,7 +83,8 @@ def mean_interval(values: Sequence[float | None], *, is_share: bool = False) -> 
     mean, number = fmean(known), len(known)
     if number == 1:
         return Interval(mean, mean, mean, 1)
-    half = float(t.ppf((1 + CONFIDENCE) / 2, number - 1) * sem(known))
+    of_the_mean = np.std(known, ddof=1) / math.sqrt(number)
+    half = float(stdtrit(number - 1, (1 + CONFIDENCE) / 2) * of_the_mean)
     low, high = mean - half, mean + half
     if is_share:
         low, high = max(low, 0.0), min(high, 1.0)

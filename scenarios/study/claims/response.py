@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from statistics import fmean
 
-from scipy.stats import spearmanr
-
 from scenarios.output.numbers import plain_number
 from scenarios.pipeline.registry import CONTRAST, FLY
 from scenarios.study.claims.claim import (
@@ -27,6 +25,7 @@ from scenarios.study.claims.small_table import SmallTable, tables_by_velocity
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, distinct, interval_of, mean_interval, select
 from scenarios.styles.method_style import method_style
+from scenarios.velocity_sweep.rank_correlation import rank_correlation
 
 VARIATION, STRENGTH = "response_variation", "response_mean"
 FEW_FPS = 10.0
@@ -165,7 +164,7 @@ def _rises(
         found = mean_by_sequence(own, column)
         means = [v.mean for n in slowest_first(own) if (v := found[n]) is not None]
         if len(means) >= _FEWEST_SPEEDS and len(set(means)) > 1:
-            ranks[lighting] = float(spearmanr(range(len(means)), means).statistic)
+            ranks[lighting] = rank_correlation(range(len(means)), means)
             shown |= mean_texts({n: found[n] for n in slowest_first(own)})
     if not ranks:
         return not_tested(statement, where, "too few velocities")
