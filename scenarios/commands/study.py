@@ -30,6 +30,7 @@ from scenarios.study.claims.all_claims import evaluate_claims
 from scenarios.study.claims.claim import Claim
 from scenarios.study.conditions import (
     DISTRACTORS,
+    FURTHER_SEEDS,
     high_thresholds,
     paper_rows,
 )
@@ -49,8 +50,6 @@ from sim.config import PAPER_OMEGA_RAD_S
 
 METHODS = tuple(entry.name for entry in DETECTORS.values() if entry.in_study)
 SEEDS, MOST_SEEDS = 5, 100
-SECOND_SENSORS = 3
-"""Number of sensors with high thresholds, which see the same luminance."""
 TABLE, REPORT, RECORDINGS, FIGURES = "results.csv", "report.html", "recordings", "figures"
 REPORT_BYTES = 4_000_000
 """Room for the report, the figures and the table [bytes] (assumed)."""
@@ -127,7 +126,7 @@ class Study:
                 seeds=seeds,
                 cache=self.cache,
                 contrast_hop_us=round(self.contrast_hop_ms * 1e3),
-                high_threshold_seeds=seeds[:SECOND_SENSORS] if self.second_sensor else (),
+                high_threshold_seeds=seeds[:FURTHER_SEEDS] if self.second_sensor else (),
             )
             for crossing in self._crossings()
         ]

@@ -6,14 +6,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from scenarios.pipeline.registry import DETECTORS
-from scenarios.study.conditions import Background, with_background
+from scenarios.study.conditions import FURTHER_SEEDS, Background, with_background
 from scenarios.study.one_sequence import SequenceTask
 
 
 def in_front_of_moving_backgrounds(tasks: Sequence[SequenceTask]) -> Iterator[SequenceTask]:
     """Yield one task of each lighting in front of every background, without a recording.
 
-    Its methods are those of the task, and the flies among them without attention.
+    Its methods are those of the task, and the flies among them without attention. Its sensors are
+    the first few of the task.
     """
     for task in {task.crossing.lighting: task for task in tasks}.values():
         for background in Background:
@@ -22,6 +23,7 @@ def in_front_of_moving_backgrounds(tasks: Sequence[SequenceTask]) -> Iterator[Se
                 crossing=with_background(task.crossing, background),
                 methods=_with_and_without_attention(task.methods),
                 background=background.value,
+                seeds=task.seeds[:FURTHER_SEEDS],
                 high_threshold_seeds=(),
                 recording=None,
             )

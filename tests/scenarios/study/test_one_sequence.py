@@ -41,7 +41,7 @@ def test_a_slow_method_sees_the_first_sensors_only() -> None:
 
 def test_each_lighting_has_four_moving_backgrounds_with_and_without_attention() -> None:
     tasks = [
-        SequenceTask(CrossingConfig(lighting=at, omega_rad_s=v), (FLY, FRAME_FLY), (0, 1))
+        SequenceTask(CrossingConfig(lighting=at, omega_rad_s=v), (FLY, FRAME_FLY), (0, 1, 2, 3, 4))
         for at in (Lighting.DAY, Lighting.NIGHT)
         for v in (1.0, 2.0)
     ]
@@ -49,6 +49,7 @@ def test_each_lighting_has_four_moving_backgrounds_with_and_without_attention() 
     assert [(t.crossing.lighting, t.background) for t in moving] == [
         (at, background) for at in (Lighting.DAY, Lighting.NIGHT) for background in Background
     ]
+    assert {t.seeds for t in moving} == {(0, 1, 2)}
     assert {t.methods for t in moving} == {(FLY, FRAME_FLY, FLY_EVERYWHERE)}
     assert {t.crossing.omega_rad_s for t in moving} == set(
         map(BACKGROUND_OMEGA_RAD_S.get, (Lighting.DAY, Lighting.NIGHT))
