@@ -11,17 +11,15 @@ from itertools import product
 import numpy as np
 import pytest
 
-from detector.estimate import MotionEstimate
 from detector.fly.config import FlyConfig
 from detector.fly.detector import FlyDetector
 from flybench.direction import CARDINAL, Direction
-from flybench.events import Events
 from tests.detector.drawn_shapes import flickering_scene, moving_shape, turning_bar
+from tests.detector.fly.reach import SETTLED_US, SHAPES, estimates, shares, targets
 from tests.detector.fly.row_of_balls import ball_behind_a_row
-from tests.detector.stimuli import HEIGHT, WIDTH, hot_pixels, merged, noise
+from tests.detector.stimuli import hot_pixels, merged, noise
 
-SETTLED_US = 100_000
-SHAPES, SPEEDS_PX_S = ("ellipse", "triangle", "frame", "bar"), (66, 90, 210, 430, 860, 1450)
+SPEEDS_PX_S = (66, 90, 210, 430, 860, 1450)
 TILTS_DEG, EVENTS_PER_EDGE, NOISE_HZ = (-33, -12, 6, 28), (1, 2, 4, 5), (0.0, 3.0, 10.0)
 OPPOSITE = {
     Direction.RIGHT: Direction.LEFT,
@@ -31,20 +29,6 @@ OPPOSITE = {
 }
 SEED = 1000
 """First seed of the stimuli that judge."""
-
-
-def estimates(
-    preset: str, events: Events, until_us: int, *, width: int = WIDTH, height: int = HEIGHT
-) -> list[MotionEstimate]:
-    fly = FlyDetector(FlyConfig.preset(preset), width=width, height=height)
-    return fly.push(events) + fly.advance(until_us)
-
-
-def shares(found: list[MotionEstimate], truth: Direction) -> tuple[float, float]:
-    """Return the shares of right and of wrong steps."""
-    named = [e.direction for e in found if e.t_us > SETTLED_US]
-    wrong = [d for d in named if d not in (truth, Direction.NONE)]
-    return named.count(truth) / len(named), len(wrong) / len(named)
 
 
 @pytest.mark.parametrize("direction", CARDINAL)
@@ -67,6 +51,14 @@ def test_drawn_targets_are_right(name: str, direction: Direction) -> None:
     assert right >= 0.95
     assert wrong <= 0.01
     assert min(found)[0] >= 0.9
+
+
+def test_the_promised_reach() -> None:
+    """All of it at once, drawn at random; `reach` gives the ranges, and figures of more targets."""
+    found = [shares(estimates("robust", e, until_us), d) for d, e, until_us in targets(40)]
+    right, wrong = np.mean(found, axis=0)
+    assert right >= 0.95
+    assert wrong <= 0.01
 
 
 @pytest.mark.parametrize("speed_px_s", [90, 430])
