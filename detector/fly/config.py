@@ -152,9 +152,10 @@ class FlyConfig:
 
     @property
     def memory_us(self) -> int:
-        """Age of the oldest event in an estimate: window plus longest delay [µs].
+        """Time that an estimate needs to see all that it compares: window and longest delay [µs].
 
-        The low-pass of the tangential cells only weighs earlier estimates, and does not count.
+        The low-pass of the tangential cells, which only averages earlier responses, does not count:
+        it starts with the first of them, and shares of its sums need no time to rise.
         """
         return (self.window_hops + max(self.delays_hops)) * self.hop_us
 

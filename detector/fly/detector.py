@@ -75,7 +75,8 @@ class FlyDetector:
 
     Attributes:
         config: parameters.
-        memory_us: age of the oldest event in an estimate [µs].
+        memory_us: time after which an estimate has seen all that it compares; see
+            `FlyConfig.memory_us` [µs].
         maps: maps behind the last estimate.
     """
 

@@ -133,6 +133,25 @@ def test_a_new_direction_is_named_after_a_tenth_of_a_second(speed_px_s: float) -
     assert len(named) >= (length_us - 100_000) // 5_000
 
 
+def test_the_low_pass_needs_no_longer_recording() -> None:
+    """So it does not count in `memory_us`: from the start, shares are as high as without it."""
+    events, _ = moving_shape(
+        "ellipse", Direction.RIGHT, speed_px_s=480, events_per_edge=2, seed=SEED
+    )
+    start_us, memory_us = 200_000, FlyConfig.preset("robust").memory_us
+    events = events[(events["t"] >= start_us) & (events["t"] < start_us + memory_us)].copy()
+    events["t"] -= start_us
+    with_it, without = (
+        FlyDetector(replace(FlyConfig.preset("robust"), integration_us=integration_us))
+        for integration_us in (80_000, 0)
+    )
+    assert with_it.memory_us == without.memory_us == memory_us
+    found, expected = (fly.push(events) + fly.advance(memory_us) for fly in (with_it, without))
+    assert [e.direction for e in found] == [e.direction for e in expected]
+    assert found[1].direction is Direction.RIGHT
+    assert [e.hs for e in found] == pytest.approx([e.hs for e in expected], rel=0.2)
+
+
 @pytest.mark.parametrize("frequency_hz", [100.0, 120.0])
 def test_flicker_has_no_direction(frequency_hz: float) -> None:
     events, until_us = flickering_scene(frequency_hz=frequency_hz, seed=SEED)
