@@ -51,13 +51,12 @@ def t4(
         between two cells, as with an odd distance, each cell takes half.
     """
     at_delayed = pair_location is PairLocation.DELAYED
-    if receptive_fields is ReceptiveFields.CELL:
-        maps: F32 = _half_detectors(on, on_delayed, np.array(offsets, np.int64), at_delayed)
-        return maps
     maps = np.zeros((4, *on.shape), np.float32)
     for i in offsets:
-        points = receptive_field(on, i), receptive_field(on_delayed, i)
-        maps += _half_detectors(*points, np.array([i], np.int64), at_delayed)
+        points = on, on_delayed
+        if receptive_fields is ReceptiveFields.DISTANCE:
+            points = receptive_field(on, i), receptive_field(on_delayed, i)
+        _add_half_detectors(maps, *points, i, at_delayed)
     return maps
 
 
@@ -95,18 +94,15 @@ def receptive_field(surface: F32, width: int) -> F32:
 
 
 @compiled
-def _half_detectors(now: Any, delayed: Any, offsets: Any, at_delayed: bool) -> Any:
-    """Return the direction maps, summed over the distances."""
-    maps = np.zeros((4, *now.shape), np.float32)
-    for i in offsets:
-        if at_delayed:
-            _add_pairs(maps, now, delayed, i, 0, i, np.float32(1.0))
-        elif i % 2 == 0:
-            _add_pairs(maps, now, delayed, i, i // 2, i // 2, np.float32(1.0))
-        else:
-            _add_pairs(maps, now, delayed, i, i // 2, i // 2, np.float32(0.5))
-            _add_pairs(maps, now, delayed, i, i // 2 + 1, i // 2 + 1, np.float32(0.5))
-    return maps
+def _add_half_detectors(maps: Any, now: Any, delayed: Any, i: int, at_delayed: bool) -> None:
+    """Add the products of all pairs at distance i to the direction maps."""
+    if at_delayed:
+        _add_pairs(maps, now, delayed, i, 0, i, np.float32(1.0))
+    elif i % 2 == 0:
+        _add_pairs(maps, now, delayed, i, i // 2, i // 2, np.float32(1.0))
+    else:
+        _add_pairs(maps, now, delayed, i, i // 2, i // 2, np.float32(0.5))
+        _add_pairs(maps, now, delayed, i, i // 2 + 1, i // 2 + 1, np.float32(0.5))
 
 
 @compiled

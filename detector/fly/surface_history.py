@@ -49,10 +49,11 @@ class SurfaceHistory:
 
         Correlation is linear in it, so that several delays cost no more than one.
         """
-        if len(self._delays_hops) == 1:
-            return self.averaged(hop=hop - self._delays_hops[0])
-        taps = (np.array(self._delays_hops) * -1 + hop) % len(self._surfaces)
-        surface: F32 = self._surfaces[taps].mean(axis=0)
+        first, *further = self._delays_hops
+        surface = self.averaged(hop=hop - first)
+        for lag in further:
+            surface += self._surfaces[(hop - lag) % len(self._surfaces)]
+        surface /= len(self._delays_hops)
         return surface
 
     def _keep(self, hop: int, surface: F32 | None) -> F32:
