@@ -84,6 +84,7 @@ def test_the_examples_are_valid() -> None:
         "noise_contrast": 32,
         "direction_clutter": 40,
         "random_sensor": 60,
+        "thresholds_refractory": 320,
     }
 
 
