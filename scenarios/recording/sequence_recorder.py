@@ -32,15 +32,17 @@ class SequenceRecorder:
         maps_of: str | None = None,
         name: str | None = None,
         one_of_several: bool = False,
+        preview_period_us: int = PREVIEW_PERIOD_US,
     ) -> None:
-        """Create the file; the arguments are those of `Recorder`.
+        """Create the file; the arguments are those of `Recorder`, and the time between previews.
 
         Raises:
             RendererError: this machine cannot render.
             OSError: the file cannot be written.
             ScenarioError: a method is named twice, or `maps_of` is not one of the methods.
         """
-        times_us = range(0, crossing.duration_us + 1, PREVIEW_PERIOD_US)
+        self._preview_period_us = preview_period_us
+        times_us = range(0, crossing.duration_us + 1, preview_period_us)
         self._previews = dict(enumerate(preview_jpegs(crossing, times_us)))
         self._recorder = Recorder(
             path,
@@ -72,7 +74,7 @@ class SequenceRecorder:
         if sample.t_us >= self._truth_due_us:
             self._recorder.log_truth(sample.truth)
             self._truth_due_us = sample.t_us + TRUTH_PERIOD_US
-        jpeg = self._previews.pop(sample.t_us // PREVIEW_PERIOD_US, None)
+        jpeg = self._previews.pop(sample.t_us // self._preview_period_us, None)
         if jpeg is not None:
             self._recorder.log_preview(jpeg, sample.truth, scale=PREVIEW_SCALE)
 

@@ -1,14 +1,18 @@
 """The progress of one sequence; `test_study` runs a rendered one."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import pytest
 
 from scenarios.pipeline.registry import FLY, FLY_EVERYWHERE, FRAME_FLY, SPIKING
+from scenarios.recording import sequence_recorder
 from scenarios.study import one_sequence
 from scenarios.study.conditions import BACKGROUND_OMEGA_RAD_S, SECTION_US, Background
 from scenarios.study.moving_backgrounds import in_front_of_moving_backgrounds
 from scenarios.study.one_sequence import SequenceTask, evaluate_crossing
 from scenarios.study.results import DEFAULT_SENSOR
-from sim import CrossingConfig, Lighting
+from sim import Crossing, CrossingConfig, Lighting
 from tests.scenarios.pipeline.drawn_samples import CROSSING, bar_samples
 
 TASK = SequenceTask(CrossingConfig(), methods=(FLY, FRAME_FLY), seeds=(3,))
@@ -68,3 +72,18 @@ def test_only_the_middle_is_drawn_in_front_of_a_moving_background() -> None:
     assert set(times_us) < set(CROSSING.times_us())
     assert (times_us[0] + times_us[-1]) / 2 == pytest.approx(CROSSING.duration_us / 2, abs=3000)
     assert times_us[-1] - times_us[0] == pytest.approx(SECTION_US, abs=6000)
+
+
+def test_a_recording_has_a_colour_preview_every_tenth_of_a_second(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    drawn: list[int] = []
+
+    def preview_jpegs(_crossing: Crossing, times_us: Sequence[int]) -> list[bytes]:
+        drawn.extend(times_us)
+        return [b""] * len(times_us)
+
+    monkeypatch.setattr(sequence_recorder, "preview_jpegs", preview_jpegs)
+    with one_sequence._recorder(TASK, tmp_path / "day.rrd", CROSSING):
+        pass
+    assert drawn == list(range(0, CROSSING.duration_us + 1, 100_000))
