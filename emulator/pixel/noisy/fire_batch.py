@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from emulator.noise.first_passage import surprise, surprise_slope
+from emulator.noise.first_passage import surprise
 from emulator.noise.random_numbers import exponential, gaussian, uniform
 from emulator.pixel.batch import (
     CHOICE,
@@ -52,11 +52,11 @@ from emulator.pixel.noisy.near_batch import (
 )
 from emulator.pixel.noisy.passage import (
     NoisyCourse,
-    diffusion_rate,
     hazards_of,
     mean_difference,
     mean_diffusion_rate,
     mean_slope,
+    spans_per_tau,
 )
 from emulator.pixel.noisy.wake_batch import follow, hold_in_reset
 from emulator.pixel.state import MOVED, PixelModel, PixelState
@@ -139,8 +139,9 @@ def _hazard_between(
     """Return the hazard while d moves steadily from `before` to `after`."""
     on_before, off_before = _distances(own, k, before)
     on_after, off_after = _distances(own, k, after)
-    steady = mean_diffusion_rate(course.noise, on_before, on_after)
-    steady += mean_diffusion_rate(course.noise, off_before, off_after)
+    spans = spans_per_tau(course.noise, span_us)
+    steady = mean_diffusion_rate(course.noise, on_before, on_after, spans)
+    steady += mean_diffusion_rate(course.noise, off_before, off_after, spans)
     approach = max(surprise(on_after) - surprise(on_before), 0.0)
     approach += max(surprise(off_after) - surprise(off_before), 0.0)
     return steady * span_us + approach
@@ -189,16 +190,17 @@ def _improve_times(own: Reals, model: PixelModel, count: int) -> None:
         course = course_of(own, k, model)
         earliest, s = own[EARLIEST + k], own[EVENT_TIME + k]
         d, rising = mean_difference(course, s), own[SIDE + k] > 0.0
-        speed = own[SIDE + k] * mean_slope(course, s) / own[SIGMA + k]
+        speed = mean_slope(course, s) / own[SIGMA + k]
         on_before, off_before = _distances(own, k, own[LEVEL + k])
         on, off = _distances(own, k, d)
-        steady = mean_diffusion_rate(course.noise, on_before, on)
-        steady += mean_diffusion_rate(course.noise, off_before, off)
+        spans = spans_per_tau(course.noise, s - earliest)
+        steady = mean_diffusion_rate(course.noise, on_before, on, spans)
+        steady += mean_diffusion_rate(course.noise, off_before, off, spans)
         h_before, h = (on_before, on) if rising else (off_before, off)
         excess = steady * (s - earliest) + surprise(h) - surprise(h_before) - own[USED + k]
-        slope = diffusion_rate(course.noise, on) + diffusion_rate(course.noise, off)
-        slope += max(speed, 0.0) * surprise_slope(h)
-        improved = min(max(s - excess / slope, earliest), own[LATEST + k])
+        on_rate, off_rate = hazards_of(course.noise, on, off, speed)
+        improved = s - excess / (on_rate + off_rate)
+        improved = min(max(improved, earliest), own[LATEST + k])
         tolerance_us = max(_TOLERANCE_US, _RELATIVE_TOLERANCE * (own[LATEST + k] - earliest))
         near = abs(improved - s) < tolerance_us
         own[EVENT_TIME + k] = improved

@@ -35,7 +35,7 @@ from emulator.pixel.batch import (
     Reals,
     rounded_up,
 )
-from emulator.pixel.noisy.passage import NoisyCourse, mean_diffusion_rate
+from emulator.pixel.noisy.passage import NoisyCourse, mean_diffusion_rate, spans_per_tau
 from emulator.pixel.source_follower import amplitudes, separated, separated_corner
 from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled, inlined
@@ -166,12 +166,14 @@ def spend_clocks(own: Reals, model: PixelModel, count: int) -> None:
         theta_on, theta_off = own[THETA_ON + k], own[THETA_OFF + k]
         bend = (2.0 / 3.0) * (d2 - 0.5 * (start + end))
         line_start, line_end = start + bend, end + bend
-        steady = mean_diffusion_rate(
-            course.noise, (theta_on - line_start) * per_sigma, (theta_on - line_end) * per_sigma
+        spans = spans_per_tau(course.noise, own[SPAN + k])
+        on_start, on_end = (theta_on - line_start) * per_sigma, (theta_on - line_end) * per_sigma
+        off_start, off_end = (
+            (theta_off + line_start) * per_sigma,
+            (theta_off + line_end) * per_sigma,
         )
-        steady += mean_diffusion_rate(
-            course.noise, (theta_off + line_start) * per_sigma, (theta_off + line_end) * per_sigma
-        )
+        steady = mean_diffusion_rate(course.noise, on_start, on_end, spans)
+        steady += mean_diffusion_rate(course.noise, off_start, off_end, spans)
         rises = turn > start
         near, far = (theta_on, theta_off) if rises else (theta_off, theta_on)
         sign = per_sigma if rises else -per_sigma
