@@ -79,32 +79,42 @@ def solve_near(batch: Batch, model: PixelModel, count: int, span_us: float) -> i
     Returns:
         The number of the others.
     """
-    fields, near, own = batch.fields, batch.crossing, batch.crossing_fields
+    fields, near = batch.fields, batch.crossing
     found = 0
     for k in range(count):
         near[found] = k
         found += fields[OUTCOME + k] == CROSSING
-    for field in COPIED:
-        for m in range(found):
-            own[field + m] = fields[field + near[m]]
+    in_place = 2 * found > count
+    own, taken = (fields, count) if in_place else (_copied(batch, found), found)
     per_us = 1.0 / span_us
-    for m in range(rounded_up(found)):
+    for m in range(rounded_up(taken)):
         own[SLOPE + m] = (own[LOG_TO + m] - own[LOG_FROM + m]) * per_us
         own[SPAN + m] = span_us - own[START + m]
-    spend_clocks(own, model, rounded_up(found))
+    spend_clocks(own, model, rounded_up(taken))
     firing = 0
-    for m in range(found):
-        k = near[m]
+    for n in range(found):
+        k = near[n]
+        m = k if in_place else n
         left = own[NEW_CLOCK + m]
         fields[NEW_CLOCK + k] = left
         if left > 0.0:
             fields[OUTCOME + k] = SILENT
         else:
             for field in KEPT:
-                own[field + firing] = own[field + m]
+                batch.crossing_fields[field + firing] = own[field + m]
             near[firing] = k
             firing += 1
     return firing
+
+
+@compiled
+def _copied(batch: Batch, count: int) -> Reals:
+    """Copy the first `count` pixels of `crossing` to `crossing_fields`, and return these."""
+    fields, near, own = batch.fields, batch.crossing, batch.crossing_fields
+    for field in COPIED:
+        for m in range(count):
+            own[field + m] = fields[field + near[m]]
+    return own
 
 
 @inlined
