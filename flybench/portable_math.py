@@ -125,6 +125,19 @@ def exp(x: float) -> float:
 
 
 @inlined
+def short_exp(x: float) -> float:
+    """Return e^x for |x| < 700 with a relative error of at most 1.3e-7, faster than `exp`."""
+    shifted = fma(x, _LOG2_E, _INTEGER)
+    r = fma(shifted - _INTEGER, -_LN2_HIGH, x)
+    r2 = r * r
+    low = fma(fma(1.0 / 6.0, r, 0.5), r2, 1.0 + r)
+    high = fma(1.0 / 720.0, r2, fma(1.0 / 120.0, r, 1.0 / 24.0))
+    series = fma(high, r2 * r2, low)
+    result: float = _float_of(_bits_of(series) + (_bits_of(shifted) << _MANTISSA_BITS))
+    return result
+
+
+@inlined
 def log(x: float) -> float:
     """Return the logarithm of a positive normal number with an error of at most 2e-14.
 

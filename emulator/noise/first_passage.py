@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from flybench.kernels import inlined
-from flybench.portable_math import exp, fma
+from flybench.portable_math import fma, short_exp
 
 H_MIN, H_MAX = -3.0, 7.0
 """Range of the fits. Farther away there is no noise; nearer, the crossing is certain."""
@@ -37,7 +37,7 @@ def decay_rate(h: float) -> float:
     series = fma(x, series, -0.0233844186)
     series = fma(x, series, -0.112224174)
     series = fma(x, series, -0.794549704)
-    return exp(fma(x, series, -0.00492648518))
+    return short_exp(fma(x, series, -0.00492648518))
 
 
 @inlined
@@ -54,7 +54,7 @@ def sojourn(h: float) -> float:
     series = fma(x, series, -0.0274020331)
     series = fma(x, series, -0.144076264)
     series = fma(x, series, -1.06377182)
-    return exp(fma(x, series, -0.0722817546)) + max(H_MIN - h, 0.0) * _FASTEST
+    return short_exp(fma(x, series, -0.0722817546)) + max(H_MIN - h, 0.0) * _FASTEST
 
 
 @inlined
@@ -70,11 +70,11 @@ def surprise(h: float) -> float:
     series = fma(x, series, -0.209993314)
     series = fma(x, series, -1.14428553)
     beyond = max(H_MIN - h, 0.0)
-    return exp(fma(x, series, -0.36291971)) + beyond * (_SLOPE + 0.5 * beyond)
+    return short_exp(fma(x, series, -0.36291971)) + beyond * (_SLOPE + 0.5 * beyond)
 
 
 @inlined
 def surprise_slope(h: float) -> float:
     """Return φ(h)/Φ(h), with φ the density of the normal distribution: minus the slope of −ln Φ."""
-    x = max(h, H_MIN)
-    return _PER_ROOT_2_PI * exp(surprise(x) - 0.5 * x * x) + max(H_MIN - h, 0.0)
+    x = min(max(h, H_MIN), H_MAX)
+    return _PER_ROOT_2_PI * short_exp(surprise(x) - 0.5 * x * x) + max(H_MIN - h, 0.0)
