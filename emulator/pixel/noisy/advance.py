@@ -1,8 +1,9 @@
 """Takes one pixel with noise through a piece of time, to its next event at most.
 
 An event resets the pixel to what it sees, noise included. The noise that carried the pixel across
-the threshold is afterwards part of its output, and decays as a lag of the photoreceptor does. At
-the end of the refractory period, the memory takes the noise of that moment. These two values are
+the threshold is afterwards part of its output, and decays as a lag of the photoreceptor does. With
+a follower, the output moves on first, since the photoreceptor leads it. At the end of the
+refractory period, the memory takes the noise of that moment. These two values are
 the whole memory of the noise: settled pixels alternate between ON and OFF because of them.
 """
 
@@ -18,6 +19,7 @@ from emulator.pixel.noisy.passage import (
     SHORT,
     distances,
     hazards_of,
+    lead_at_event,
     mean_difference,
     mean_slope,
     noisy_course,
@@ -102,17 +104,21 @@ def fire(
     hot_rate = mismatch.hot_rate
     choice = uniform(model.seed, index, pixel.draws) * (on_rate + off_rate + abs(hot_rate))
     lag, second_lag = lags_after(pixel, segment, model, event_us, exp(-event_us * segment.corner))
-    noise = 0.0
+    noise = lead = 0.0
     if choice < on_rate + off_rate:
         on = choice < on_rate
         noise = (mismatch.theta_on if on else -mismatch.theta_off) - d
         leak = pixel.leak + segment.leak_drift * event_us
         mark = mark_of(on, d - leak, leak, noise, moved)
+        sign = 1.0 if on else -1.0
+        lead = lead_at_event(course.noise, model.follower_us, sign * speed)
+        lead *= sign * course.noise.sigma
     else:
         mark = 2 * _HOT + (choice - on_rate - off_rate >= -0.5 * hot_rate)
     clock = exponential(model.seed, index, pixel.draws + 1)
     draws = pixel.draws + np.int64(DRAWS)
-    return Pixel(lag - noise, 0.0, 0.0, clock, model.refractory_us, draws, second_lag), mark
+    lag -= noise + lead
+    return Pixel(lag, 0.0, 0.0, clock, model.refractory_us, draws, second_lag + lead), mark
 
 
 @compiled

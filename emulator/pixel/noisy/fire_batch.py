@@ -53,6 +53,7 @@ from emulator.pixel.noisy.near_batch import (
 from emulator.pixel.noisy.passage import (
     NoisyCourse,
     hazards_of,
+    lead_at_event,
     mean_difference,
     mean_diffusion_rate,
     mean_slope,
@@ -221,8 +222,10 @@ def _fire(own: Reals, model: PixelModel, count: int) -> None:
         on = own[CHOICE + k] * (on_rate + off_rate) < on_rate
         noise = (own[THETA_ON + k] if on else -own[THETA_OFF + k]) - d
         own[MARK + k] = mark_of(on, change, leak, noise, True)
-        own[LAG + k] = own[NEW_LAG + k] - noise
-        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k]
+        sign = 1.0 if on else -1.0
+        lead = sign * own[SIGMA + k] * lead_at_event(course.noise, model.follower_us, sign * speed)
+        own[LAG + k] = own[NEW_LAG + k] - noise - lead
+        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k] + lead
         own[CLOCK + k] = own[NEW_CLOCK + k]
         own[START + k] += own[EVENT_TIME + k]
         own[EVENT_TIME + k] = own[START + k]

@@ -17,8 +17,6 @@ from scipy.linalg import expm
 
 Reals = npt.NDArray[np.float64]
 
-STEPS_PER_TAU = 24
-
 
 class ExactPixel(NamedTuple):
     """Constants of all pixels.
@@ -62,6 +60,7 @@ def exact_events(
     phase: Reals,
     settle_us: float,
     seed: int,
+    steps_per_tau: int = 24,
 ) -> ExactEvents:
     """Return the events of pixels that see an input which is linear between samples.
 
@@ -74,9 +73,10 @@ def exact_events(
         phase: (pixels,) mean difference to the memorised value at the start [ln units].
         settle_us: time with the first input before time 0, without events in the result [µs].
         seed: seed of the random numbers.
+        steps_per_tau: steps in the shorter time constant. The time of an event is exact to a step.
     """
     shortest_us = pixel.tau_us if pixel.follower_us == 0.0 else min(pixel.tau_us, pixel.follower_us)
-    step_us = shortest_us / STEPS_PER_TAU
+    step_us = shortest_us / steps_per_tau
     count = round((times_us[-1] + settle_us) / step_us)
     grid_us = np.arange(count + 1) * step_us - settle_us
     mean = _filtered(np.interp(grid_us, times_us, log_lux), pixel, step_us)
