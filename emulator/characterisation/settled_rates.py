@@ -1,28 +1,27 @@
 """Rates of ON and OFF events of a pixel that sees constant light, from the equations of the model.
 
 At the end of its refractory period, a pixel memorises the light with its noise n0. From then on the
-mean of the noise relaxes to 0, and leak moves the memory down, so that the mean difference is
-
-    d(t) = −n0·(1 − exp(−t/τ)) + drift·t
-
-Noise crosses a threshold with the hazard of `emulator.noise.first_passage`. It is then θ_on above
-the memory, or θ_off below; the share exp(−t_ref/τ) of it is left at the end of the refractory
-period, when the rest of the variance is new. So n0 is a Markov chain, and its stationary
-distribution gives both rates. Averages over pixels take the mismatch of the thresholds and the
-spread of the dark current by Gauss-Hermite quadrature.
+mean n(t) of the noise relaxes to 0 through the low-passes, and leak moves the memory down, so that
+the mean difference is d(t) = n(t) − n0 + drift·t. Noise crosses a threshold with the hazard of
+`emulator.pixel.noisy.passage`. It is then θ_on above the memory, or θ_off below. A share of it is
+left at the end of the refractory period, when the rest of the variance is new. So n0 is a Markov
+chain, and its stationary distribution gives both rates. Averages over pixels take the mismatch of
+the thresholds and the spread of the dark current by Gauss-Hermite quadrature.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from emulator.config import SensorConfig
-from emulator.noise.first_passage import H_MAX, decay_rate, surprise
+from emulator.noise.first_passage import H_MAX, surprise
 from emulator.noise.photoreceptor_noise import noise_of
+from emulator.pixel.noisy.passage import diffusion_rate, lead_at_event
+from emulator.pixel.source_follower import separated
 from flybench.kernels import compiled
 
 _STATES = 41
@@ -110,11 +109,12 @@ def _mean_rates(
             open_corner = corner_per_lux * current
             corner = min(open_corner, corner_limit)
             noise = noise_of(sigma_0, corner, open_corner, follower_us)
+            decay = _decay(noise, 1.0 / corner, follower_us)
             for b in range(nodes.size):
                 for c in range(nodes.size):
                     high = max(theta_on + mismatch * nodes[b], 0.01)
                     low = max(theta_off + mismatch * nodes[c], 0.01)
-                    found = _rates(noise, high, low, refractory_us, drift[k])
+                    found = _rates(noise, decay, high, low, refractory_us, drift[k])
                     weight = weights[b] * weights[c]
                     weight *= weights[a] if several else 1.0
                     on += weight * found[0]
@@ -122,9 +122,46 @@ def _mean_rates(
         rates[k, 0], rates[k, 1] = on, off
 
 
+class _Decay(NamedTuple):
+    """How the mean of the noise relaxes.
+
+    Attributes:
+        tau_us: time constant τ1 of the photoreceptor [µs].
+        follower_us: time constant τ2 of the follower [µs].
+        lead: photoreceptor's noise minus the follower's at an event [ln units].
+    """
+
+    tau_us: float
+    follower_us: float
+    lead: float
+
+
+@compiled
+def _decay(noise: Any, tau_us: float, follower_us: float) -> _Decay:
+    lead = noise.sigma * lead_at_event(noise, follower_us, 0.0)
+    return _Decay(tau_us, separated(tau_us, max(follower_us, 1e-3 * tau_us)), lead)
+
+
+@compiled
+def _output(decay: Any, output: float, ahead: float, time_us: float) -> float:
+    """Return the follower's mean noise after a time; `ahead` is the photoreceptor's at first."""
+    tau_us, follower_us = decay.tau_us, decay.follower_us
+    first, second = math.exp(-time_us / tau_us), math.exp(-time_us / follower_us)
+    mean: float = ahead * tau_us / (tau_us - follower_us) * (first - second) + output * second
+    return mean
+
+
+@compiled
+def _lead_after(decay: Any, output: float, time_us: float) -> float:
+    """Return the photoreceptor's noise minus the follower's some time after an event with noise."""
+    ahead = output + math.copysign(decay.lead, output)
+    left = ahead * math.exp(-time_us / decay.tau_us)
+    return left - _output(decay, output, ahead, time_us)
+
+
 @compiled
 def _rates(
-    noise: Any, theta_on: float, theta_off: float, refractory_us: float, drift: float
+    noise: Any, decay: Any, theta_on: float, theta_off: float, refractory_us: float, drift: float
 ) -> tuple[float, float]:
     """Return the rates of one pixel [1/µs]."""
     sigma = noise.sigma
@@ -136,9 +173,12 @@ def _rates(
     on_share, cycle_us = np.zeros(_STATES), np.zeros(_STATES)
     for i in range(_STATES):
         start = lowest + i * spacing
-        found = _follow(noise, theta_on, theta_off, drift, start, lowest, spacing, crossing[i])
+        ahead = start + _lead_after(decay, start, refractory_us)
+        found = _follow(
+            noise, decay, theta_on, theta_off, drift, start, ahead, lowest, spacing, crossing[i]
+        )
         on_share[i], cycle_us[i] = found[0], found[1] + refractory_us
-    chain = crossing @ _reset(noise, refractory_us, lowest, spacing)
+    chain = crossing @ _reset(noise, decay, refractory_us, lowest, spacing)
     state = np.full(_STATES, 1.0 / _STATES)
     for _ in range(_CHAIN_STEPS):
         state = state @ chain
@@ -149,13 +189,15 @@ def _rates(
 
 
 @compiled
-def _reset(noise: Any, refractory_us: float, lowest: float, spacing: float) -> Any:
+def _reset(noise: Any, decay: Any, refractory_us: float, lowest: float, spacing: float) -> Any:
     """Return the probabilities of the noise after the refractory period, given that before it."""
     kept = math.exp(-refractory_us * noise.per_tau)
     width = noise.sigma * math.sqrt(1.0 - kept * kept)
     table = np.zeros((_STATES, _STATES))
     for i in range(_STATES):
-        mean = kept * (lowest + i * spacing)
+        before = lowest + i * spacing
+        ahead = before + math.copysign(decay.lead, before)
+        mean = _output(decay, before, ahead, refractory_us)
         if width < 0.5 * spacing:
             _deposit(table[i], (mean - lowest) / spacing, 1.0)
             continue
@@ -178,10 +220,12 @@ def _deposit(row: Any, place: float, weight: float) -> None:
 @compiled
 def _follow(
     noise: Any,
+    decay: Any,
     theta_on: float,
     theta_off: float,
     drift: float,
     start: float,
+    ahead: float,
     lowest: float,
     spacing: float,
     crossing: Any,
@@ -190,10 +234,12 @@ def _follow(
 
     Args:
         noise: noise of the pixel.
+        decay: how its mean relaxes.
         theta_on: its ON threshold [ln units].
         theta_off: its OFF threshold [ln units].
         drift: leak [ln units/µs].
         start: memorised noise n0 [ln units].
+        ahead: photoreceptor's noise at that time [ln units].
         lowest: lowest value of the noise at the crossing [ln units].
         spacing: distance of these values [ln units].
         crossing: output, probability of each value.
@@ -210,12 +256,13 @@ def _follow(
         step_us = _FIRST / per_tau + _GROWTH * time_us
         if speed > 0.0:
             step_us = min(step_us, max(_MOVE * sigma / speed, 0.01 / per_tau))
-        after = -start * (1.0 - math.exp(-(time_us + step_us) * per_tau))
+        after = _output(decay, start, ahead, time_us + step_us) - start
         after += drift * (time_us + step_us)
         middle = 0.5 * (d + after)
         h_on, h_off = (theta_on - middle) / sigma, (theta_off + middle) / sigma
-        on = decay_rate(h_on) * per_tau / (1.0 + noise.smoothing * max(h_on, 0.0)) * step_us
-        off = decay_rate(h_off) * per_tau / (1.0 + noise.smoothing * max(h_off, 0.0)) * step_us
+        approach = (after - d) / (sigma * step_us * per_tau)
+        on = diffusion_rate(noise, h_on, approach) * step_us
+        off = diffusion_rate(noise, h_off, -approach) * step_us
         if h_on >= H_MAX:
             on = 0.0
         if h_off >= H_MAX:

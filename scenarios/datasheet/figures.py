@@ -59,6 +59,13 @@ def draw(plot: Plot) -> Figure:
     """Draw a plot as a matplotlib figure."""
     figure = Figure(figsize=SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
+    draw_on(axes, plot)
+    _add_legend(axes)
+    return figure
+
+
+def draw_on(axes: Axes, plot: Plot) -> None:
+    """Draw a plot on axes, with its labels but no legend."""
     looks = _looks(plot.series)
     for series in plot.series:
         _draw_series(axes, series, looks[id(series)])
@@ -72,8 +79,6 @@ def draw(plot: Plot) -> Figure:
     else:
         axes.set_ylim(bottom=min(0.0, _lowest(plot.series)))
     axes.set_axisbelow(True)
-    _add_legend(axes)
-    return figure
 
 
 @dataclass(frozen=True)

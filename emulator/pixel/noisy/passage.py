@@ -8,7 +8,7 @@ pixel has a clock that starts at a unit exponential random number and loses the 
     h_on = (θ_on − d)/σ,  h_off = (θ_off + d)/σ
 
 (`emulator.noise.first_passage`; the factor with s is for two low-passes in a row, see
-`emulator.noise.photoreceptor_noise`; c ≤ 1 is `approached_share`). When it reaches 0, there is an
+`emulator.noise.photoreceptor_noise`; c ≤ 1 is `moving_share`). When it reaches 0, there is an
 event. Over a piece of time in
 which d is monotone, the integral of B is a difference of −ln Φ(h). As σ falls, B makes the crossing
 as sharp as that of a pixel without noise.
@@ -112,26 +112,29 @@ def distances(noise: Noise, mismatch: Mismatch, d: float) -> tuple[float, float]
 
 
 @inlined
-def approached_share(noise: Noise, h: float, speed: float) -> float:
-    """Return the share c of the diffusion rate that is left at a threshold that approaches.
+def moving_share(noise: Noise, h: float, speed: float) -> float:
+    """Return the share c of the diffusion rate that is left at a threshold that moves.
 
     ν presumes that the noise near the threshold has crossed it long ago. If the threshold comes
     fast, that noise is still there, and B alone lets it cross. A process that approaches h at the
     speed v, in σ per correlation time, then has the density of crossings φ(h)·(v + h) (Durbin, J.
     Appl. Prob. 22, 1985, first approximation). Hence ν becomes m·(m + h), with m = φ/Φ; its ratio
     to ν is 1/(1 + 0.45y + 0.17y²), with y = max(1 − h, 0), within 9 % for −3 < h < 1. The weight
-    of the fast form is v/(1 + v) (assumed).
+    of the fast form is v/(1 + v) (assumed). From a threshold that goes, the noise falls behind:
+    1/(1 + |v|/2) is within a third of the Fokker-Planck equation for |v| up to 10 and h up to 3.
 
     Two low-passes make the noise smooth, with a slope of the standard deviation 1/√(τ1·τ2).
     Crossings of a smooth process have the density φ(h)·E[max(v + slope, 0)] (Rice 1944), of which B
-    holds φ(h)·v. The polynomial of x = v·√(τ1·τ2) approaches what is left.
+    holds φ(h)·max(v, 0). The polynomial of x = |v|·√(τ1·τ2) approaches what is left.
     """
-    v = max(speed, 0.0)
+    v = abs(speed)
     x = v * noise.smoothing * (1.0 / SMOOTHING)
     y = max(1.0 - h, 0.0)
     near = 1.0 + y * (0.45 + y * 0.17)
     smooth = 1.0 + x * (1.25 + x * (1.07 + x * 1.4))
-    return (near + v) / (near * (1.0 + v) * smooth)
+    left = near + v if speed > 0.0 else 1.0
+    whole = near * (1.0 + v) if speed > 0.0 else 1.0 + 0.5 * v
+    return left / (whole * smooth)
 
 
 @inlined
@@ -144,7 +147,7 @@ def diffusion_rate(noise: Noise, h: float, speed: float) -> float:
         speed: −h', by which it approaches [σ per correlation time].
     """
     rate = decay_rate(h) * noise.per_tau / (1.0 + noise.smoothing * max(h, 0.0))
-    return rate * approached_share(noise, h, speed)
+    return rate * moving_share(noise, h, speed)
 
 
 @inlined
@@ -162,7 +165,7 @@ def mean_diffusion_rate(noise: Noise, before: float, after: float, spans: float)
     near, far = min(before, after) - _WIDTH, max(before, after) + _WIDTH
     weighted = near + min(0.5 * (far - near), _NEARER_PART)
     width = (far - near) * (1.0 + noise.smoothing * max(weighted, 0.0))
-    share = approached_share(noise, weighted, (before - after) * spans)
+    share = moving_share(noise, weighted, (before - after) * spans)
     return (sojourn(near) - sojourn(far)) / width * noise.per_tau * share
 
 
@@ -314,7 +317,7 @@ def lead_at_event(noise: Noise, follower_us: float, speed: float) -> float:
 
     The output of the follower moves on by (v − w)/τ2. Noise that crosses a threshold has, on
     average, the slope E[n'·max(v + n', 0)]/E[max(v + n', 0)] (Rice 1944), with n' as in
-    `approached_share`. That is 1.25/(1 + 0.45x + 0.17x²) standard deviations of n', within 3 % for
+    `moving_share`. That is 1.25/(1 + 0.45x + 0.17x²) standard deviations of n', within 3 % for
     x < 3.
 
     Args:

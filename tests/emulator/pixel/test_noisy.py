@@ -128,8 +128,11 @@ def test_events_of_a_still_scene_are_those_of_the_exact_simulation(
         seed=3,
     )
     expected = Found(exact.pixel, exact.t_us, exact.on, seconds)
-    assert found.on_hz == pytest.approx(expected.on_hz, rel=0.03)
-    assert found.off_hz == pytest.approx(expected.off_hz, rel=0.03)
+    within = 0.05 if config.follower_hz else 0.03
+    assert found.on_hz == pytest.approx(expected.on_hz, rel=within)
+    assert found.off_hz == pytest.approx(expected.off_hz, rel=within)
+    ratio, expected_ratio = found.on_hz / found.off_hz, expected.on_hz / expected.off_hz
+    assert ratio == pytest.approx(expected_ratio, rel=0.03)
     assert found.alternation == pytest.approx(expected.alternation, abs=0.03)
     assert found.variation == pytest.approx(expected.variation, rel=0.08)
 
@@ -192,6 +195,51 @@ def test_noise_softens_the_response_to_an_edge_as_in_the_exact_simulation(
         t_us, t_exact_us = on["t"][first], exact.t_us[rising][first_exact]
         assert t_us.std() == pytest.approx(t_exact_us.std(), rel=0.1)
         assert t_us.mean() == pytest.approx(t_exact_us.mean(), abs=0.12 * t_exact_us.std())
+
+
+@pytest.mark.parametrize(
+    ("cutoff_hz", "signal_hz", "amplitude", "within"),
+    [(20.0, 50.0, 2.0, 0.1), (20.0, 20.0, 2.0, 0.05), (60.0, 50.0, 1.5, 0.05)],
+)
+def test_a_moving_signal_has_as_many_events_as_in_the_exact_simulation(
+    cutoff_hz: float, signal_hz: float, amplitude: float, within: float
+) -> None:
+    """A sine of a few thresholds, with the ratios of the default; the light hardly changes."""
+    theta_on, seconds = 0.028, 4.0
+    config = noisy(
+        theta_on=theta_on,
+        theta_off=1.25 * theta_on,
+        theta_mismatch=0.085 * theta_on,
+        noise_sigma=0.25 * theta_on,
+        follower_hz=286.0,
+        refractory_us=270,
+    )
+    times = np.arange(0, round(seconds * 1e6) + 1, 1000)
+    turns = signal_hz * 1e-6 * times
+    log_lux = math.log(cutoff_hz) + amplitude * theta_on * np.sin(2.0 * math.pi * turns)
+    frames = (uniform_frame(luminance_for_lux(math.exp(u), config), config) for u in log_lux)
+    events, _ = run_sensor(config, zip(times.tolist(), frames, strict=True), seed=2)
+    on, off = thresholds(config, 2)
+    tau_us, follower_us = (1e6 / (2.0 * math.pi * hz) for hz in (cutoff_hz, config.follower_hz))
+    exact = exact_events(
+        ExactPixel(
+            sigma=config.noise_sigma * math.sqrt(tau_us / (tau_us + follower_us)),
+            tau_us=tau_us,
+            follower_us=follower_us,
+            refractory_us=config.refractory_us,
+        ),
+        on,
+        off,
+        times_us=times.astype(np.float64),
+        log_lux=log_lux,
+        phase=on * np.random.default_rng(1).random(on.size),
+        settle_us=1e6,
+        seed=3,
+    )
+    rising = np.count_nonzero(exact.on)
+    assert rising > 10_000
+    assert np.count_nonzero(events["p"]) == pytest.approx(rising, rel=within)
+    assert np.count_nonzero(~events["p"]) == pytest.approx(exact.on.size - rising, rel=within)
 
 
 def test_the_step_changes_no_event_of_a_still_scene() -> None:
