@@ -14,63 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.noise.leak import leak_drift
+from emulator.pixel import fields as at
+from emulator.pixel.fields import BATCH, FIELDS, STRIDE
 from emulator.pixel.photoreceptor import LOG_PIECE, inverse_tau_per_us, lag_after, log_current
 from emulator.pixel.state import PixelModel, PixelState
 from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp, log
-
-BATCH = 512
-"""Pixels in a batch: its 40 fields take 169 kB, which fit into the caches of a core."""
-
-_STRIDE = BATCH + 16
-"""Distance between the starts of two fields. A power of two would put the same pixel of all fields
-into one set of the cache."""
-
-(
-    LUMINANCE_FROM,
-    LUMINANCE_TO,
-    LOG_FROM,
-    LAG,
-    CHANGE,
-    LEAK,
-    CLOCK,
-    THETA_ON,
-    THETA_OFF,
-    HOT_RATE,
-    DARK_LUX,
-    LEAK_FACTOR,
-    SECOND_LAG,
-    REST,
-    LOG_TO,
-    NEW_LAG,
-    NEW_CHANGE,
-    NEW_LEAK,
-    NEW_CLOCK,
-    NEW_SECOND_LAG,
-    DRIFT,
-    CORNER,
-    END,
-    OUTCOME,
-    EVENT_TIME,
-    MARK,
-    SIGMA,
-    START,
-    RESET,
-    SLOPE,
-    SPAN,
-    FIRST,
-    SECOND,
-    EARLIEST,
-    LATEST,
-    LEVEL,
-    SIDE,
-    USED,
-    CHOICE,
-    GAUSSIAN,
-) = (field * _STRIDE for field in range(40))
-"""Start of each field."""
-
-FIELDS = 40
 
 _VECTOR = 8
 """Pixels that the compiler may process together."""
@@ -105,9 +54,9 @@ def empty_batch() -> Batch:
     return Batch(
         np.empty(BATCH, np.int32),
         np.empty(BATCH, np.bool_),
-        np.ones(FIELDS * _STRIDE),
+        np.ones(FIELDS * STRIDE),
         np.empty(BATCH, np.int32),
-        np.ones(FIELDS * _STRIDE),
+        np.ones(FIELDS * STRIDE),
     )
 
 
@@ -135,20 +84,20 @@ def gather(
     for k in range(count):
         i = indices[k]
         pixel = pixels[i]
-        fields[LUMINANCE_FROM + k] = before[i]
-        fields[LUMINANCE_TO + k] = luminance[i]
-        fields[LAG + k] = pixel.lag
-        fields[CHANGE + k] = pixel.change
-        fields[LEAK + k] = pixel.leak
-        fields[CLOCK + k] = pixel.clock
-        fields[THETA_ON + k] = pixel.theta_on
-        fields[THETA_OFF + k] = pixel.theta_off
-        fields[HOT_RATE + k] = pixel.hot_rate
-        fields[DARK_LUX + k] = pixel.dark_factor * dark_lux
-        fields[LEAK_FACTOR + k] = pixel.leak_factor
-        fields[SECOND_LAG + k] = pixel.second_lag
-        fields[REST + k] = np.int32(pixel.updated_us - from_us)
-        fields[START + k] = 0.0
+        fields[at.LUMINANCE_FROM + k] = before[i]
+        fields[at.LUMINANCE_TO + k] = luminance[i]
+        fields[at.LAG + k] = pixel.lag
+        fields[at.CHANGE + k] = pixel.change
+        fields[at.LEAK + k] = pixel.leak
+        fields[at.CLOCK + k] = pixel.clock
+        fields[at.THETA_ON + k] = pixel.theta_on
+        fields[at.THETA_OFF + k] = pixel.theta_off
+        fields[at.HOT_RATE + k] = pixel.hot_rate
+        fields[at.DARK_LUX + k] = pixel.dark_factor * dark_lux
+        fields[at.LEAK_FACTOR + k] = pixel.leak_factor
+        fields[at.SECOND_LAG + k] = pixel.second_lag
+        fields[at.REST + k] = np.int32(pixel.updated_us - from_us)
+        fields[at.START + k] = 0.0
 
 
 @inlined
@@ -190,37 +139,39 @@ def follow_batch(fields: Reals, model: PixelModel, count: int, span_us: float) -
     per_us = 1.0 / span_us
     per_cd_m2 = model.lux_per_cd_m2
     for k in range(count):
-        lag, leak, dark_lux = fields[LAG + k], fields[LEAK + k], fields[DARK_LUX + k]
-        log_from = log_current(fields[LUMINANCE_FROM + k] * per_cd_m2, dark_lux)
-        log_to = log_current(fields[LUMINANCE_TO + k] * per_cd_m2, dark_lux)
+        lag, leak, dark_lux = fields[at.LAG + k], fields[at.LEAK + k], fields[at.DARK_LUX + k]
+        log_from = log_current(fields[at.LUMINANCE_FROM + k] * per_cd_m2, dark_lux)
+        log_to = log_current(fields[at.LUMINANCE_TO + k] * per_cd_m2, dark_lux)
         middle = 0.5 * (log_from + log_to)
         current_lux = exp(middle)
         corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
         decay = exp(-span_us * corner)
         tau_us = 1.0 / corner
-        drift = leak_drift(model.leak, current_lux - dark_lux, fields[LEAK_FACTOR + k])
+        drift = leak_drift(model.leak, current_lux - dark_lux, fields[at.LEAK_FACTOR + k])
         rise = log_to - log_from
         slope = rise * per_us
         new_lag = lag_after(lag, slope, tau_us, decay)
-        new_change = fields[CHANGE + k] + rise - (new_lag - lag)
+        new_change = fields[at.CHANGE + k] + rise - (new_lag - lag)
         new_leak = leak + drift * span_us
-        new_clock = fields[CLOCK + k] - abs(fields[HOT_RATE + k]) * span_us
-        level = fields[CHANGE + k] + leak
+        new_clock = fields[at.CLOCK + k] - abs(fields[at.HOT_RATE + k]) * span_us
+        level = fields[at.CHANGE + k] + leak
         end = new_change + new_leak
         turn, _ = turning_value(level, (slope + drift) * tau_us, lag - slope * tau_us, decay)
-        within = (max(end, turn) < fields[THETA_ON + k]) & (min(end, turn) > -fields[THETA_OFF + k])
-        ready = (fields[REST + k] == 0.0) & (leak >= 0.0) & (new_clock > 0.0)
+        within = (max(end, turn) < fields[at.THETA_ON + k]) & (
+            min(end, turn) > -fields[at.THETA_OFF + k]
+        )
+        ready = (fields[at.REST + k] == 0.0) & (leak >= 0.0) & (new_clock > 0.0)
         bright = (log_from >= model.log_limit) & (log_to >= model.log_limit)
         short = (rise < LOG_PIECE) & (rise > -LOG_PIECE)
         plain = ready & (bright | short)
-        fields[LOG_FROM + k] = log_from
-        fields[LOG_TO + k] = log_to
-        fields[NEW_LAG + k] = new_lag
-        fields[NEW_CHANGE + k] = new_change
-        fields[NEW_LEAK + k] = new_leak
-        fields[NEW_SECOND_LAG + k] = 0.0
-        fields[NEW_CLOCK + k] = new_clock
-        fields[DRIFT + k] = drift
-        fields[CORNER + k] = corner
-        fields[END + k] = end
-        fields[OUTCOME + k] = (SILENT if within else CROSSING) if plain else OTHER
+        fields[at.LOG_FROM + k] = log_from
+        fields[at.LOG_TO + k] = log_to
+        fields[at.NEW_LAG + k] = new_lag
+        fields[at.NEW_CHANGE + k] = new_change
+        fields[at.NEW_LEAK + k] = new_leak
+        fields[at.NEW_SECOND_LAG + k] = 0.0
+        fields[at.NEW_CLOCK + k] = new_clock
+        fields[at.DRIFT + k] = drift
+        fields[at.CORNER + k] = corner
+        fields[at.END + k] = end
+        fields[at.OUTCOME + k] = (SILENT if within else CROSSING) if plain else OTHER

@@ -11,29 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.batch import (
-    DARK_LUX,
-    DRIFT,
-    EVENT_TIME,
-    HOT_RATE,
-    LEAK_FACTOR,
-    LOG_FROM,
-    LOG_TO,
-    MARK,
-    NEW_CHANGE,
-    NEW_CLOCK,
-    NEW_LAG,
-    NEW_LEAK,
-    NEW_SECOND_LAG,
-    OUTCOME,
-    REST,
-    SILENT,
-    SINGLE,
-    THETA_OFF,
-    THETA_ON,
-    Batch,
-    Reals,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import SILENT, SINGLE, Batch, Reals
 from emulator.pixel.pixel_step import plan_step, segment_of
 from emulator.pixel.segment import Mismatch, Pixel
 from emulator.pixel.single_pixel import NO_EVENT, advance, silent_time_us
@@ -46,11 +25,11 @@ from flybench.kernels import compiled, inlined
 def mismatch_of(fields: Reals, k: int) -> Mismatch:
     """Return what differs from pixel to pixel, for the pixel at position `k` of a batch."""
     return Mismatch(
-        fields[THETA_ON + k],
-        fields[THETA_OFF + k],
-        fields[HOT_RATE + k],
-        fields[DARK_LUX + k],
-        fields[LEAK_FACTOR + k],
+        fields[at.THETA_ON + k],
+        fields[at.THETA_OFF + k],
+        fields[at.HOT_RATE + k],
+        fields[at.DARK_LUX + k],
+        fields[at.LEAK_FACTOR + k],
     )
 
 
@@ -115,17 +94,17 @@ def store_finished(
     drawn = DRAWS if noisy else np.uint32(0)
     step_us, now_us = times.to_us - times.from_us, np.int32(times.to_us)
     for k in range(count):
-        outcome = fields[OUTCOME + k]
+        outcome = fields[at.OUTCOME + k]
         if outcome < SILENT:
             continue
         i = int(indices[k])
         if outcome == SINGLE:
-            keys[used] = make_key(fields[EVENT_TIME + k], step_us, i, int(fields[MARK + k]))
+            keys[used] = make_key(fields[at.EVENT_TIME + k], step_us, i, int(fields[at.MARK + k]))
             used += 1
             pixels[i].draws += drawn
-        lag, change = fields[NEW_LAG + k], fields[NEW_CHANGE + k]
-        leak, clock = fields[NEW_LEAK + k], fields[NEW_CLOCK + k]
-        second_lag = fields[NEW_SECOND_LAG + k]
+        lag, change = fields[at.NEW_LAG + k], fields[at.NEW_CHANGE + k]
+        leak, clock = fields[at.NEW_LEAK + k], fields[at.NEW_CLOCK + k]
+        second_lag = fields[at.NEW_SECOND_LAG + k]
         own = pixels[i]
         own.lag = lag
         own.change = change
@@ -137,7 +116,7 @@ def store_finished(
         before[i] = luminance[i]
         pixel = Pixel(lag, change, leak, clock, 0.0, np.int64(0), second_lag)
         mismatch = mismatch_of(fields, k)
-        wake_us[i] = wake_time_us(pixel, mismatch, fields[DRIFT + k], changes[k], times.to_us)
+        wake_us[i] = wake_time_us(pixel, mismatch, fields[at.DRIFT + k], changes[k], times.to_us)
     return used
 
 
@@ -175,14 +154,14 @@ def step_others(
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     for k in range(first, count):
-        if fields[OUTCOME + k] >= SILENT:
+        if fields[at.OUTCOME + k] >= SILENT:
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
         pixel = stored_pixel(own, np.int64(own.draws))
         mismatch = mismatch_of(fields, k)
-        log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
-        plan = plan_step(model, log_from, log_to, changed, -fields[REST + k], span_us)
+        log_from, log_to = fields[at.LOG_FROM + k], fields[at.LOG_TO + k]
+        plan = plan_step(model, log_from, log_to, changed, -fields[at.REST + k], span_us)
         found = used
         for number in range(-1 if plan.constant_us > 0.0 else 0, plan.pieces):
             segment, start_us, segment_us = segment_of(model, mismatch, plan, number)
@@ -206,5 +185,5 @@ def step_others(
         own.updated_us = np.int32(times.to_us)
         own.second_lag = pixel.second_lag
         before[i] = luminance[i]
-        wake_us[i] = wake_time_us(pixel, mismatch, fields[DRIFT + k], changed, times.to_us)
+        wake_us[i] = wake_time_us(pixel, mismatch, fields[at.DRIFT + k], changed, times.to_us)
     return count, used

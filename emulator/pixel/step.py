@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from emulator.pixel.active_pixels import GROUP, ActiveMasks, ThreadShare, next_block
-from emulator.pixel.batch import BATCH, Batch, follow_batch, gather, rounded_up
+from emulator.pixel.batch import Batch, follow_batch, gather, rounded_up
 from emulator.pixel.batch_events import step_others, store_finished
+from emulator.pixel.fields import BATCH
 from emulator.pixel.noisy.batch import follow_quiet
 from emulator.pixel.noisy.fire_batch import solve_events
 from emulator.pixel.noisy.near_batch import solve_near

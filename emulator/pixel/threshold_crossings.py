@@ -11,33 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from emulator.pixel.batch import (
-    CHANGE,
-    CLOCK,
-    CORNER,
-    CROSSING,
-    DRIFT,
-    END,
-    EVENT_TIME,
-    HOT_RATE,
-    LAG,
-    LEAK,
-    LOG_FROM,
-    LOG_TO,
-    MARK,
-    NEW_CHANGE,
-    NEW_CLOCK,
-    NEW_LAG,
-    NEW_LEAK,
-    OUTCOME,
-    SINGLE,
-    THETA_OFF,
-    THETA_ON,
-    Batch,
-    Reals,
-    rounded_up,
-    turning_value,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import CROSSING, SINGLE, Batch, Reals, rounded_up, turning_value
 from emulator.pixel.change_detector import is_close
 from emulator.pixel.photoreceptor import lag_after
 from emulator.pixel.single_pixel import crossing_code
@@ -60,21 +35,21 @@ def gather_crossings(batch: Batch, count: int) -> int:
     found = 0
     for k in range(count):
         crossing[found] = k
-        found += fields[OUTCOME + k] == CROSSING
+        found += fields[at.OUTCOME + k] == CROSSING
     for m in range(found):
         k = int(crossing[m])
-        own[LAG + m] = fields[LAG + k]
-        own[CHANGE + m] = fields[CHANGE + k]
-        own[LEAK + m] = fields[LEAK + k]
-        own[CLOCK + m] = fields[CLOCK + k]
-        own[THETA_ON + m] = fields[THETA_ON + k]
-        own[THETA_OFF + m] = fields[THETA_OFF + k]
-        own[LOG_FROM + m] = fields[LOG_FROM + k]
-        own[LOG_TO + m] = fields[LOG_TO + k]
-        own[HOT_RATE + m] = fields[HOT_RATE + k]
-        own[DRIFT + m] = fields[DRIFT + k]
-        own[CORNER + m] = fields[CORNER + k]
-        own[END + m] = fields[END + k]
+        own[at.LAG + m] = fields[at.LAG + k]
+        own[at.CHANGE + m] = fields[at.CHANGE + k]
+        own[at.LEAK + m] = fields[at.LEAK + k]
+        own[at.CLOCK + m] = fields[at.CLOCK + k]
+        own[at.THETA_ON + m] = fields[at.THETA_ON + k]
+        own[at.THETA_OFF + m] = fields[at.THETA_OFF + k]
+        own[at.LOG_FROM + m] = fields[at.LOG_FROM + k]
+        own[at.LOG_TO + m] = fields[at.LOG_TO + k]
+        own[at.HOT_RATE + m] = fields[at.HOT_RATE + k]
+        own[at.DRIFT + m] = fields[at.DRIFT + k]
+        own[at.CORNER + m] = fields[at.CORNER + k]
+        own[at.END + m] = fields[at.END + k]
     return found
 
 
@@ -83,10 +58,15 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
     """Compute the crossing of each of the first `count` pixels that has exactly one."""
     per_us = 1.0 / span_us
     for k in range(count):
-        theta_on, theta_off, drift = own[THETA_ON + k], own[THETA_OFF + k], own[DRIFT + k]
-        lag, leak, corner, end = own[LAG + k], own[LEAK + k], own[CORNER + k], own[END + k]
-        level = own[CHANGE + k] + leak
-        slope = (own[LOG_TO + k] - own[LOG_FROM + k]) * per_us
+        theta_on, theta_off, drift = own[at.THETA_ON + k], own[at.THETA_OFF + k], own[at.DRIFT + k]
+        lag, leak, corner, end = (
+            own[at.LAG + k],
+            own[at.LEAK + k],
+            own[at.CORNER + k],
+            own[at.END + k],
+        )
+        level = own[at.CHANGE + k] + leak
+        slope = (own[at.LOG_TO + k] - own[at.LOG_FROM + k]) * per_us
         tau_us = 1.0 / corner
         rate = slope + drift
         swing = lag - slope * tau_us
@@ -119,15 +99,15 @@ def find_crossings(own: Reals, model: PixelModel, count: int, span_us: float) ->
         turn, _ = turning_value(0.0, rate * tau_us, held_lag - slope * tau_us, decay)
         within = (max(end, turn) < theta_on) & (min(end, turn) > -theta_off)
         sure = close & (s > low) & (s < high) & (rest_us > 0.0) & within
-        own[NEW_LAG + k] = new_lag
-        own[NEW_CHANGE + k] = new_change
-        own[NEW_LEAK + k] = new_leak
+        own[at.NEW_LAG + k] = new_lag
+        own[at.NEW_CHANGE + k] = new_change
+        own[at.NEW_LEAK + k] = new_leak
         clear_us = span_us - model.refractory_us
-        own[NEW_CLOCK + k] = own[CLOCK + k] - abs(own[HOT_RATE + k]) * clear_us
-        own[OUTCOME + k] = SINGLE if sure else CROSSING
-        own[EVENT_TIME + k] = s
+        own[at.NEW_CLOCK + k] = own[at.CLOCK + k] - abs(own[at.HOT_RATE + k]) * clear_us
+        own[at.OUTCOME + k] = SINGLE if sure else CROSSING
+        own[at.EVENT_TIME + k] = s
         leaked = leak + drift * s
-        own[MARK + k] = crossing_code(leaked, theta_on, on)
+        own[at.MARK + k] = crossing_code(leaked, theta_on, on)
 
 
 @compiled
@@ -136,14 +116,14 @@ def return_crossings(batch: Batch, count: int) -> None:
     fields, crossing, own = batch.fields, batch.crossing, batch.crossing_fields
     for m in range(count):
         k = np.int64(crossing[m])
-        fields[OUTCOME + k] = own[OUTCOME + m]
-        fields[EVENT_TIME + k] = own[EVENT_TIME + m]
-        fields[MARK + k] = own[MARK + m]
-        if own[OUTCOME + m] == SINGLE:
-            fields[NEW_LAG + k] = own[NEW_LAG + m]
-            fields[NEW_CHANGE + k] = own[NEW_CHANGE + m]
-            fields[NEW_LEAK + k] = own[NEW_LEAK + m]
-            fields[NEW_CLOCK + k] = own[NEW_CLOCK + m]
+        fields[at.OUTCOME + k] = own[at.OUTCOME + m]
+        fields[at.EVENT_TIME + k] = own[at.EVENT_TIME + m]
+        fields[at.MARK + k] = own[at.MARK + m]
+        if own[at.OUTCOME + m] == SINGLE:
+            fields[at.NEW_LAG + k] = own[at.NEW_LAG + m]
+            fields[at.NEW_CHANGE + k] = own[at.NEW_CHANGE + m]
+            fields[at.NEW_LEAK + k] = own[at.NEW_LEAK + m]
+            fields[at.NEW_CLOCK + k] = own[at.NEW_CLOCK + m]
 
 
 @compiled

@@ -12,38 +12,8 @@ import numpy as np
 
 from emulator.noise.first_passage import surprise
 from emulator.noise.random_numbers import exponential, gaussian, uniform
-from emulator.pixel.batch import (
-    CHOICE,
-    CLOCK,
-    EARLIEST,
-    EVENT_TIME,
-    GAUSSIAN,
-    LAG,
-    LATEST,
-    LEVEL,
-    MARK,
-    NEW_CHANGE,
-    NEW_CLOCK,
-    NEW_LAG,
-    NEW_LEAK,
-    NEW_SECOND_LAG,
-    OTHER,
-    OUTCOME,
-    RESET,
-    SECOND_LAG,
-    SIDE,
-    SIGMA,
-    SILENT,
-    SINGLE,
-    SPAN,
-    START,
-    THETA_OFF,
-    THETA_ON,
-    USED,
-    Batch,
-    Reals,
-    rounded_up,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import OTHER, SILENT, SINGLE, Batch, Reals, rounded_up
 from emulator.pixel.noisy.advance import mark_of
 from emulator.pixel.noisy.near_batch import (
     course_of,
@@ -106,9 +76,9 @@ def fire_and_hold(
     _find_quarters(own, model, rounded)
     for _ in range(rounds):
         _improve_times(own, model, rounded)
-        if not np.any(own[OUTCOME : OUTCOME + count] == OTHER):
+        if not np.any(own[at.OUTCOME : at.OUTCOME + count] == OTHER):
             break
-    own[SPAN : SPAN + rounded] = own[EVENT_TIME : EVENT_TIME + rounded]
+    own[at.SPAN : at.SPAN + rounded] = own[at.EVENT_TIME : at.EVENT_TIME + rounded]
     follow(own, model, rounded)
     _fire(own, model, rounded)
     hold_in_reset(own, model, rounded, span_us)
@@ -121,16 +91,16 @@ def _draw(batch: Batch, state: PixelState, model: PixelModel, count: int) -> Non
     for m in range(count):
         i = int(batch.indices[batch.crossing[m]])
         draw = np.int64(state.pixels[i].draws & ~MOVED)
-        own[CHOICE + m] = uniform(model.seed, i, draw)
-        own[NEW_CLOCK + m] = exponential(model.seed, i, draw + 1)
-        own[GAUSSIAN + m] = gaussian(model.seed, i, draw + 2)
+        own[at.CHOICE + m] = uniform(model.seed, i, draw)
+        own[at.NEW_CLOCK + m] = exponential(model.seed, i, draw + 1)
+        own[at.GAUSSIAN + m] = gaussian(model.seed, i, draw + 2)
 
 
 @inlined
 def _distances(own: Reals, k: int, d: float) -> tuple[float, float]:
     """Return the distances of d from the ON and the OFF threshold, in units of σ."""
-    per_sigma = 1.0 / own[SIGMA + k]
-    return (own[THETA_ON + k] - d) * per_sigma, (own[THETA_OFF + k] + d) * per_sigma
+    per_sigma = 1.0 / own[at.SIGMA + k]
+    return (own[at.THETA_ON + k] - d) * per_sigma, (own[at.THETA_OFF + k] + d) * per_sigma
 
 
 @inlined
@@ -158,16 +128,16 @@ def _find_quarters(own: Reals, model: PixelModel, count: int) -> None:
     """
     for k in range(count):
         course = course_of(own, k, model)
-        quarter_us = 0.25 * own[SPAN + k]
+        quarter_us = 0.25 * own[at.SPAN + k]
         d0 = course.start
         d1, d2, d3, d4 = quarter_differences(course, quarter_us)
-        left1 = own[CLOCK + k] - _hazard_between(own, k, course, d0, d1, quarter_us)
+        left1 = own[at.CLOCK + k] - _hazard_between(own, k, course, d0, d1, quarter_us)
         left2 = left1 - _hazard_between(own, k, course, d1, d2, quarter_us)
         left3 = left2 - _hazard_between(own, k, course, d2, d3, quarter_us)
         left4 = left3 - _hazard_between(own, k, course, d3, d4, quarter_us)
         late, second, last = left2 > 0.0, left1 > 0.0, left3 > 0.0
         number = (1.0 if second else 0.0) + (1.0 if late else 0.0) + (1.0 if last else 0.0)
-        left = left3 if last else (left2 if late else (left1 if second else own[CLOCK + k]))
+        left = left3 if last else (left2 if late else (left1 if second else own[at.CLOCK + k]))
         low = d3 if last else (d2 if late else (d1 if second else d0))
         high = d4 if last else (d3 if late else (d2 if second else d1))
         on_low, off_low = _distances(own, k, low)
@@ -175,13 +145,13 @@ def _find_quarters(own: Reals, model: PixelModel, count: int) -> None:
         before = on_low if high > low else off_low
         after = on_high if high > low else off_high
         share = min(1.0, (before - _CERTAIN) / (before - min(after, before - 1e-6)))
-        own[EARLIEST + k] = number * quarter_us
-        own[LATEST + k] = (number + 1.0) * quarter_us
-        own[EVENT_TIME + k] = (number + max(share, 0.0)) * quarter_us
-        own[LEVEL + k] = low
-        own[SIDE + k] = 1.0 if high > low else -1.0
-        own[USED + k] = left if left4 <= 0.0 else left4
-        own[OUTCOME + k] = SINGLE if left4 <= 0.0 else SILENT
+        own[at.EARLIEST + k] = number * quarter_us
+        own[at.LATEST + k] = (number + 1.0) * quarter_us
+        own[at.EVENT_TIME + k] = (number + max(share, 0.0)) * quarter_us
+        own[at.LEVEL + k] = low
+        own[at.SIDE + k] = 1.0 if high > low else -1.0
+        own[at.USED + k] = left if left4 <= 0.0 else left4
+        own[at.OUTCOME + k] = SINGLE if left4 <= 0.0 else SILENT
 
 
 @compiled
@@ -189,24 +159,24 @@ def _improve_times(own: Reals, model: PixelModel, count: int) -> None:
     """Take one step of Newton's method; OTHER are those that are not yet within the tolerance."""
     for k in range(count):
         course = course_of(own, k, model)
-        earliest, s = own[EARLIEST + k], own[EVENT_TIME + k]
-        d, rising = mean_difference(course, s), own[SIDE + k] > 0.0
-        speed = mean_slope(course, s) / own[SIGMA + k]
-        on_before, off_before = _distances(own, k, own[LEVEL + k])
+        earliest, s = own[at.EARLIEST + k], own[at.EVENT_TIME + k]
+        d, rising = mean_difference(course, s), own[at.SIDE + k] > 0.0
+        speed = mean_slope(course, s) / own[at.SIGMA + k]
+        on_before, off_before = _distances(own, k, own[at.LEVEL + k])
         on, off = _distances(own, k, d)
         spans = spans_per_tau(course.noise, s - earliest)
         steady = mean_diffusion_rate(course.noise, on_before, on, spans)
         steady += mean_diffusion_rate(course.noise, off_before, off, spans)
         h_before, h = (on_before, on) if rising else (off_before, off)
-        excess = steady * (s - earliest) + surprise(h) - surprise(h_before) - own[USED + k]
+        excess = steady * (s - earliest) + surprise(h) - surprise(h_before) - own[at.USED + k]
         on_rate, off_rate = hazards_of(course.noise, on, off, speed)
         improved = s - excess / (on_rate + off_rate)
-        improved = min(max(improved, earliest), own[LATEST + k])
-        tolerance_us = max(_TOLERANCE_US, _RELATIVE_TOLERANCE * (own[LATEST + k] - earliest))
+        improved = min(max(improved, earliest), own[at.LATEST + k])
+        tolerance_us = max(_TOLERANCE_US, _RELATIVE_TOLERANCE * (own[at.LATEST + k] - earliest))
         near = abs(improved - s) < tolerance_us
-        own[EVENT_TIME + k] = improved
-        fires = own[OUTCOME + k] != SILENT
-        own[OUTCOME + k] = (SINGLE if near else OTHER) if fires else SILENT
+        own[at.EVENT_TIME + k] = improved
+        fires = own[at.OUTCOME + k] != SILENT
+        own[at.OUTCOME + k] = (SINGLE if near else OTHER) if fires else SILENT
 
 
 @compiled
@@ -214,22 +184,24 @@ def _fire(own: Reals, model: PixelModel, count: int) -> None:
     """Let the first `count` pixels fire; the new values are those at the time of the event."""
     for k in range(count):
         course = course_of(own, k, model)
-        change, leak = own[NEW_CHANGE + k], own[NEW_LEAK + k]
+        change, leak = own[at.NEW_CHANGE + k], own[at.NEW_LEAK + k]
         d = change + leak
         h_on, h_off = _distances(own, k, d)
-        speed = mean_slope(course, own[EVENT_TIME + k]) / own[SIGMA + k]
+        speed = mean_slope(course, own[at.EVENT_TIME + k]) / own[at.SIGMA + k]
         on_rate, off_rate = hazards_of(course.noise, h_on, h_off, speed)
-        on = own[CHOICE + k] * (on_rate + off_rate) < on_rate
-        noise = (own[THETA_ON + k] if on else -own[THETA_OFF + k]) - d
-        own[MARK + k] = mark_of(on, change, leak, noise, True)
+        on = own[at.CHOICE + k] * (on_rate + off_rate) < on_rate
+        noise = (own[at.THETA_ON + k] if on else -own[at.THETA_OFF + k]) - d
+        own[at.MARK + k] = mark_of(on, change, leak, noise, True)
         sign = 1.0 if on else -1.0
-        lead = sign * own[SIGMA + k] * lead_at_event(course.noise, model.follower_us, sign * speed)
-        own[LAG + k] = own[NEW_LAG + k] - noise - lead
-        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k] + lead
-        own[CLOCK + k] = own[NEW_CLOCK + k]
-        own[START + k] += own[EVENT_TIME + k]
-        own[EVENT_TIME + k] = own[START + k]
-        own[RESET + k] = model.refractory_us
+        lead = (
+            sign * own[at.SIGMA + k] * lead_at_event(course.noise, model.follower_us, sign * speed)
+        )
+        own[at.LAG + k] = own[at.NEW_LAG + k] - noise - lead
+        own[at.SECOND_LAG + k] = own[at.NEW_SECOND_LAG + k] + lead
+        own[at.CLOCK + k] = own[at.NEW_CLOCK + k]
+        own[at.START + k] += own[at.EVENT_TIME + k]
+        own[at.EVENT_TIME + k] = own[at.START + k]
+        own[at.RESET + k] = model.refractory_us
 
 
 @compiled
@@ -238,17 +210,17 @@ def _return_events(batch: Batch, count: int) -> None:
     fields, own = batch.fields, batch.crossing_fields
     for m in range(count):
         k = int(batch.crossing[m])
-        outcome = own[OUTCOME + m]
-        fields[OUTCOME + k] = outcome
+        outcome = own[at.OUTCOME + m]
+        fields[at.OUTCOME + k] = outcome
         if outcome == SILENT:
-            fields[NEW_CLOCK + k] = own[USED + m]
-        elif own[NEW_CLOCK + m] <= 0.0:
-            fields[OUTCOME + k] = OTHER
+            fields[at.NEW_CLOCK + k] = own[at.USED + m]
+        elif own[at.NEW_CLOCK + m] <= 0.0:
+            fields[at.OUTCOME + k] = OTHER
         elif outcome == SINGLE:
-            fields[EVENT_TIME + k] = own[EVENT_TIME + m]
-            fields[MARK + k] = own[MARK + m]
-            fields[NEW_LAG + k] = own[NEW_LAG + m]
-            fields[NEW_SECOND_LAG + k] = own[NEW_SECOND_LAG + m]
-            fields[NEW_CHANGE + k] = own[NEW_CHANGE + m]
-            fields[NEW_LEAK + k] = own[NEW_LEAK + m] - own[RESET + m]
-            fields[NEW_CLOCK + k] = own[NEW_CLOCK + m]
+            fields[at.EVENT_TIME + k] = own[at.EVENT_TIME + m]
+            fields[at.MARK + k] = own[at.MARK + m]
+            fields[at.NEW_LAG + k] = own[at.NEW_LAG + m]
+            fields[at.NEW_SECOND_LAG + k] = own[at.NEW_SECOND_LAG + m]
+            fields[at.NEW_CHANGE + k] = own[at.NEW_CHANGE + m]
+            fields[at.NEW_LEAK + k] = own[at.NEW_LEAK + m] - own[at.RESET + m]
+            fields[at.NEW_CLOCK + k] = own[at.NEW_CLOCK + m]

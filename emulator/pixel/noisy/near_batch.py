@@ -9,32 +9,8 @@ from __future__ import annotations
 
 from emulator.noise.first_passage import surprise
 from emulator.noise.photoreceptor_noise import noise_of
-from emulator.pixel.batch import (
-    CHANGE,
-    CLOCK,
-    CORNER,
-    CROSSING,
-    DRIFT,
-    FIRST,
-    LAG,
-    LEAK,
-    LOG_FROM,
-    LOG_TO,
-    NEW_CLOCK,
-    OUTCOME,
-    SECOND,
-    SECOND_LAG,
-    SIGMA,
-    SILENT,
-    SLOPE,
-    SPAN,
-    START,
-    THETA_OFF,
-    THETA_ON,
-    Batch,
-    Reals,
-    rounded_up,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import CROSSING, SILENT, Batch, Reals, rounded_up
 from emulator.pixel.noisy.passage import NoisyCourse, mean_diffusion_rate, spans_per_tau
 from emulator.pixel.source_follower import amplitudes, separated, separated_corner
 from emulator.pixel.state import PixelModel
@@ -42,23 +18,23 @@ from flybench.kernels import compiled, inlined
 from flybench.portable_math import exp
 
 COPIED = (
-    LAG,
-    SECOND_LAG,
-    CHANGE,
-    LEAK,
-    CLOCK,
-    THETA_ON,
-    THETA_OFF,
-    LOG_FROM,
-    LOG_TO,
-    DRIFT,
-    CORNER,
-    SIGMA,
-    START,
+    at.LAG,
+    at.SECOND_LAG,
+    at.CHANGE,
+    at.LEAK,
+    at.CLOCK,
+    at.THETA_ON,
+    at.THETA_OFF,
+    at.LOG_FROM,
+    at.LOG_TO,
+    at.DRIFT,
+    at.CORNER,
+    at.SIGMA,
+    at.START,
 )
 """Fields that the pass reads."""
 
-KEPT = (*COPIED, SLOPE, SPAN, FIRST, SECOND)
+KEPT = (*COPIED, at.SLOPE, at.SPAN, at.FIRST, at.SECOND)
 """Fields of the pixels that are left."""
 
 LONGEST = 2.5
@@ -83,22 +59,22 @@ def solve_near(batch: Batch, model: PixelModel, count: int, span_us: float) -> i
     found = 0
     for k in range(count):
         near[found] = k
-        found += fields[OUTCOME + k] == CROSSING
+        found += fields[at.OUTCOME + k] == CROSSING
     in_place = 2 * found > count
     own, taken = (fields, count) if in_place else (_copied(batch, found), found)
     per_us = 1.0 / span_us
     for m in range(rounded_up(taken)):
-        own[SLOPE + m] = (own[LOG_TO + m] - own[LOG_FROM + m]) * per_us
-        own[SPAN + m] = span_us - own[START + m]
+        own[at.SLOPE + m] = (own[at.LOG_TO + m] - own[at.LOG_FROM + m]) * per_us
+        own[at.SPAN + m] = span_us - own[at.START + m]
     spend_clocks(own, model, rounded_up(taken))
     firing = 0
     for n in range(found):
         k = near[n]
         m = k if in_place else n
-        left = own[NEW_CLOCK + m]
-        fields[NEW_CLOCK + k] = left
+        left = own[at.NEW_CLOCK + m]
+        fields[at.NEW_CLOCK + k] = left
         if left > 0.0:
-            fields[OUTCOME + k] = SILENT
+            fields[at.OUTCOME + k] = SILENT
         else:
             for field in KEPT:
                 batch.crossing_fields[field + firing] = own[field + m]
@@ -120,17 +96,17 @@ def _copied(batch: Batch, count: int) -> Reals:
 @inlined
 def course_of(own: Reals, k: int, model: PixelModel) -> NoisyCourse:
     """Return the course of a pixel, of which `spend_clocks` has stored the amplitudes."""
-    corner, second_corner = own[CORNER + k], 0.0
+    corner, second_corner = own[at.CORNER + k], 0.0
     if model.follower_us > 0.0:
         second_corner = separated_corner(corner, model.follower_us)
     return NoisyCourse(
-        own[CHANGE + k] + own[LEAK + k],
-        own[SLOPE + k] + own[DRIFT + k],
-        own[FIRST + k],
-        own[SECOND + k],
+        own[at.CHANGE + k] + own[at.LEAK + k],
+        own[at.SLOPE + k] + own[at.DRIFT + k],
+        own[at.FIRST + k],
+        own[at.SECOND + k],
         corner,
         second_corner,
-        noise_of(own[SIGMA + k], corner, corner, model.follower_us),
+        noise_of(own[at.SIGMA + k], corner, corner, model.follower_us),
     )
 
 
@@ -160,23 +136,23 @@ def spend_clocks(own: Reals, model: PixelModel, count: int) -> None:
     """
     has_follower = model.follower_us > 0.0
     for k in range(count):
-        lag, slope, tau_us = own[LAG + k], own[SLOPE + k], 1.0 / own[CORNER + k]
+        lag, slope, tau_us = own[at.LAG + k], own[at.SLOPE + k], 1.0 / own[at.CORNER + k]
         a, b = lag - slope * tau_us, 0.0
         if has_follower:
             follower_us = separated(tau_us, model.follower_us)
-            a, b = amplitudes(lag, own[SECOND_LAG + k], slope, tau_us, follower_us)
-        own[FIRST + k], own[SECOND + k] = a, b
+            a, b = amplitudes(lag, own[at.SECOND_LAG + k], slope, tau_us, follower_us)
+        own[at.FIRST + k], own[at.SECOND + k] = a, b
         course = course_of(own, k, model)
         start = course.start
-        d1, d2, d3, end = quarter_differences(course, 0.25 * own[SPAN + k])
+        d1, d2, d3, end = quarter_differences(course, 0.25 * own[at.SPAN + k])
         top, bottom = max(max(d1, d2), d3), min(min(d1, d2), d3)
         turn = top if top > max(start, end) else end
         turn = bottom if bottom < min(start, end) else turn
-        per_sigma = 1.0 / own[SIGMA + k]
-        theta_on, theta_off = own[THETA_ON + k], own[THETA_OFF + k]
+        per_sigma = 1.0 / own[at.SIGMA + k]
+        theta_on, theta_off = own[at.THETA_ON + k], own[at.THETA_OFF + k]
         bend = (2.0 / 3.0) * (d2 - 0.5 * (start + end))
         line_start, line_end = start + bend, end + bend
-        spans = spans_per_tau(course.noise, own[SPAN + k])
+        spans = spans_per_tau(course.noise, own[at.SPAN + k])
         on_start, on_end = (theta_on - line_start) * per_sigma, (theta_on - line_end) * per_sigma
         off_start, off_end = (
             (theta_off + line_start) * per_sigma,
@@ -190,5 +166,5 @@ def spend_clocks(own: Reals, model: PixelModel, count: int) -> None:
         hazard = surprise(near * per_sigma - sign * turn)
         hazard -= surprise(near * per_sigma - sign * start)
         back = surprise(far * per_sigma + sign * end) - surprise(far * per_sigma + sign * turn)
-        hazard = steady * own[SPAN + k] + max(hazard, 0.0) + max(back, 0.0)
-        own[NEW_CLOCK + k] = own[CLOCK + k] - hazard
+        hazard = steady * own[at.SPAN + k] + max(hazard, 0.0) + max(back, 0.0)
+        own[at.NEW_CLOCK + k] = own[at.CLOCK + k] - hazard

@@ -15,37 +15,10 @@ import numpy as np
 
 from emulator.noise.leak import leak_drift
 from emulator.noise.photoreceptor_noise import noise_of
-from emulator.pixel.batch import (
-    BATCH,
-    CHANGE,
-    CLOCK,
-    CORNER,
-    DRIFT,
-    EARLIEST,
-    LAG,
-    LATEST,
-    LEAK,
-    NEW_CHANGE,
-    NEW_CLOCK,
-    NEW_LAG,
-    NEW_LEAK,
-    NEW_SECOND_LAG,
-    OUTCOME,
-    RESET,
-    SECOND_LAG,
-    SIGMA,
-    SILENT,
-    SLOPE,
-    SPAN,
-    START,
-    THETA_OFF,
-    THETA_ON,
-    USED,
-    Batch,
-    Reals,
-    rounded_up,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import SILENT, Batch, Reals, rounded_up
 from emulator.pixel.batch_events import stored_pixel
+from emulator.pixel.fields import BATCH
 from emulator.pixel.noisy.advance import advance_noisy
 from emulator.pixel.noisy.fire_batch import fire_and_hold
 from emulator.pixel.noisy.near_batch import KEPT, spend_clocks
@@ -56,22 +29,22 @@ from emulator.pixel.state import BLOCK, DRAWS, PixelModel, PixelState
 from flybench.kernels import compiled
 from flybench.portable_math import exp
 
-EVENTS, STAGE = EARLIEST, LATEST
+EVENTS, STAGE = at.EARLIEST, at.LATEST
 """Fields for the number of events and of spans so far."""
 
 _CARRIED = (
-    LAG,
-    SECOND_LAG,
-    CHANGE,
-    LEAK,
-    CLOCK,
-    THETA_ON,
-    THETA_OFF,
-    DRIFT,
-    CORNER,
-    SIGMA,
-    RESET,
-    START,
+    at.LAG,
+    at.SECOND_LAG,
+    at.CHANGE,
+    at.LEAK,
+    at.CLOCK,
+    at.THETA_ON,
+    at.THETA_OFF,
+    at.DRIFT,
+    at.CORNER,
+    at.SIGMA,
+    at.RESET,
+    at.START,
     EVENTS,
     STAGE,
 )
@@ -126,16 +99,18 @@ def _load(batch: Batch, state: PixelState, model: PixelModel, first: int) -> int
         corner = inverse_tau_per_us(current_lux, model.corner_per_lux, model.corner_limit)
         open_corner = model.corner_per_lux * current_lux
         batch.indices[found] = i
-        own[LAG + found] = own[SECOND_LAG + found] = own[CHANGE + found] = 0.0
-        own[LEAK + found] = pixel.leak
-        own[CLOCK + found] = pixel.clock
-        own[THETA_ON + found] = pixel.theta_on
-        own[THETA_OFF + found] = pixel.theta_off
-        own[DRIFT + found] = leak_drift(model.leak, current_lux - dark_lux, pixel.leak_factor)
-        own[CORNER + found] = corner
-        own[SIGMA + found] = noise_of(model.sigma_0, corner, open_corner, model.follower_us).sigma
-        own[SLOPE + found] = own[RESET + found] = 0.0
-        own[START + found] = -_SPANS_US[0]
+        own[at.LAG + found] = own[at.SECOND_LAG + found] = own[at.CHANGE + found] = 0.0
+        own[at.LEAK + found] = pixel.leak
+        own[at.CLOCK + found] = pixel.clock
+        own[at.THETA_ON + found] = pixel.theta_on
+        own[at.THETA_OFF + found] = pixel.theta_off
+        own[at.DRIFT + found] = leak_drift(model.leak, current_lux - dark_lux, pixel.leak_factor)
+        own[at.CORNER + found] = corner
+        own[at.SIGMA + found] = noise_of(
+            model.sigma_0, corner, open_corner, model.follower_us
+        ).sigma
+        own[at.SLOPE + found] = own[at.RESET + found] = 0.0
+        own[at.START + found] = -_SPANS_US[0]
         own[STAGE + found] = own[EVENTS + found] = 0.0
         found += 1
     return found
@@ -151,7 +126,7 @@ def _settle_batch(batch: Batch, state: PixelState, model: PixelModel, count: int
         follow(own, model, rounded_up(count))
         found = 0
         for k in range(count):
-            if own[NEW_CLOCK + k] <= 0.0:
+            if own[at.NEW_CLOCK + k] <= 0.0:
                 firing[found] = k
                 found += 1
         for field in KEPT:
@@ -167,23 +142,23 @@ def _settle_batch(batch: Batch, state: PixelState, model: PixelModel, count: int
 def _choose_spans(own: Reals, model: PixelModel, count: int) -> None:
     """Set SPAN of the first `count` pixels: to the end of their span, or shorter while they lag."""
     for k in range(count):
-        lag = abs(own[LAG + k]) + abs(own[SECOND_LAG + k])
-        sigma, tau_us = own[SIGMA + k], 1.0 / own[CORNER + k] + model.follower_us
+        lag = abs(own[at.LAG + k]) + abs(own[at.SECOND_LAG + k])
+        sigma, tau_us = own[at.SIGMA + k], 1.0 / own[at.CORNER + k] + model.follower_us
         piece_us = tau_us * (_SHORT if lag > sigma else _LONG)
-        left_us = -own[START + k]
-        own[SPAN + k] = min(left_us, piece_us) if lag > _LAG * sigma else left_us
+        left_us = -own[at.START + k]
+        own[at.SPAN + k] = min(left_us, piece_us) if lag > _LAG * sigma else left_us
 
 
 @compiled
 def _keep(own: Reals, count: int) -> None:
     """Move the first `count` pixels to the end of their SPAN, where they have not fired."""
     for k in range(count):
-        own[LAG + k] = own[NEW_LAG + k]
-        own[SECOND_LAG + k] = own[NEW_SECOND_LAG + k]
-        own[CHANGE + k] = own[NEW_CHANGE + k]
-        own[LEAK + k] = own[NEW_LEAK + k]
-        own[CLOCK + k] = own[NEW_CLOCK + k]
-        own[START + k] += own[SPAN + k]
+        own[at.LAG + k] = own[at.NEW_LAG + k]
+        own[at.SECOND_LAG + k] = own[at.NEW_SECOND_LAG + k]
+        own[at.CHANGE + k] = own[at.NEW_CHANGE + k]
+        own[at.LEAK + k] = own[at.NEW_LEAK + k]
+        own[at.CLOCK + k] = own[at.NEW_CLOCK + k]
+        own[at.START + k] += own[at.SPAN + k]
 
 
 @compiled
@@ -192,15 +167,15 @@ def _return_fired(batch: Batch, state: PixelState, count: int) -> None:
     own, other = batch.fields, batch.crossing_fields
     for m in range(count):
         k = int(batch.crossing[m])
-        if other[OUTCOME + m] == SILENT:
-            own[CLOCK + k] = other[USED + m]
+        if other[at.OUTCOME + m] == SILENT:
+            own[at.CLOCK + k] = other[at.USED + m]
             continue
-        own[LAG + k] = other[LAG + m]
-        own[SECOND_LAG + k] = other[SECOND_LAG + m]
-        own[CHANGE + k] = own[LEAK + k] = 0.0
-        own[CLOCK + k] = other[CLOCK + m]
-        own[START + k] = other[START + m]
-        own[RESET + k] = other[RESET + m]
+        own[at.LAG + k] = other[at.LAG + m]
+        own[at.SECOND_LAG + k] = other[at.SECOND_LAG + m]
+        own[at.CHANGE + k] = own[at.LEAK + k] = 0.0
+        own[at.CLOCK + k] = other[at.CLOCK + m]
+        own[at.START + k] = other[at.START + m]
+        own[at.RESET + k] = other[at.RESET + m]
         own[EVENTS + k] += 1.0
         state.pixels[batch.indices[k]].draws += DRAWS
 
@@ -214,20 +189,20 @@ def _finish_spans(batch: Batch, state: PixelState, count: int) -> int:
     own, k = batch.fields, 0
     while k < count:
         stage = int(own[STAGE + k])
-        if own[START + k] < 0.0:
+        if own[at.START + k] < 0.0:
             k += 1
         elif stage + 1 < len(_SPANS_US) and own[EVENTS + k] < _EVENTS:
             own[STAGE + k] += 1.0
-            own[START + k] = -_SPANS_US[stage + 1]
-            own[RESET + k] = 0.0
+            own[at.START + k] = -_SPANS_US[stage + 1]
+            own[at.RESET + k] = 0.0
             k += 1
         else:
             pixel = state.pixels[batch.indices[k]]
-            pixel.lag = own[LAG + k]
-            pixel.second_lag = own[SECOND_LAG + k]
-            pixel.change = own[CHANGE + k]
-            pixel.leak = own[LEAK + k] - math.ceil(own[RESET + k])
-            pixel.clock = own[CLOCK + k]
+            pixel.lag = own[at.LAG + k]
+            pixel.second_lag = own[at.SECOND_LAG + k]
+            pixel.change = own[at.CHANGE + k]
+            pixel.leak = own[at.LEAK + k] - math.ceil(own[at.RESET + k])
+            pixel.clock = own[at.CLOCK + k]
             count -= 1
             batch.indices[k] = batch.indices[count]
             for field in _CARRIED:

@@ -10,13 +10,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from emulator.pixel.batch import (
-    LOG_FROM,
-    LOG_TO,
-    OUTCOME,
-    SILENT,
-    Batch,
-)
+from emulator.pixel import fields as at
+from emulator.pixel.batch import SILENT, Batch
 from emulator.pixel.batch_events import mismatch_of, stored_pixel
 from emulator.pixel.noisy.advance import advance_noisy, as_stored, has_settled
 from emulator.pixel.pixel_step import PixelStep, plan_step, segment_of
@@ -125,14 +120,14 @@ def step_noisy(
     before, wake_us, pixels = state.luminance, state.wake_us, state.pixels
     indices, changes, fields = batch.indices, batch.changed, batch.fields
     for k in range(first, count):
-        if fields[OUTCOME + k] >= SILENT:
+        if fields[at.OUTCOME + k] >= SILENT:
             continue
         i = int(indices[k])
         own, changed = pixels[i], changes[k]
         rest_us = np.float64(np.int32(own.updated_us - times.from_us))
         pixel = stored_pixel(own, np.int64(own.draws & ~MOVED))
         mismatch = mismatch_of(fields, k)
-        log_from, log_to = fields[LOG_FROM + k], fields[LOG_TO + k]
+        log_from, log_to = fields[at.LOG_FROM + k], fields[at.LOG_TO + k]
         stored_us = sleep_us = float(step_us)
         moved = changed or own.draws >= MOVED
         if changed:

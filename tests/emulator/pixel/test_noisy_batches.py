@@ -11,8 +11,9 @@ import pytest
 
 import emulator.sensor
 from emulator import SensorConfig
+from emulator.pixel import fields as at
 from emulator.pixel.active_pixels import ActiveMasks, ThreadShare
-from emulator.pixel.batch import OTHER, OUTCOME, Batch, gather, rounded_up
+from emulator.pixel.batch import OTHER, Batch, gather, rounded_up
 from emulator.pixel.noisy.batch import follow_quiet
 from emulator.pixel.noisy.step import step_noisy
 from emulator.pixel.state import PixelModel, PixelState, StepTimes
@@ -43,7 +44,7 @@ def step_singly(
         block, count = fill_batch(masks, block, share.parts, batch)
         gather(state, model, luminance, times.from_us, batch, count)
         follow_quiet(batch, model, rounded_up(count), span_us)
-        batch.fields[OUTCOME : OUTCOME + count] = OTHER
+        batch.fields[at.OUTCOME : at.OUTCOME + count] = OTHER
         done, used = step_noisy(state, model, luminance, times, batch, 0, count, keys, used)
         assert done == count
     update_block_wake(state, masks, np.int32(times.to_us), share)
