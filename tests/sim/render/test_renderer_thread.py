@@ -1,6 +1,7 @@
 """The renderer's thread: order, errors, and what happens at its end."""
 
 import gc
+import os
 import threading
 import time
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from sim.errors import RendererError
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.render import renderer_thread
 from sim.render.filament import FilamentRenderer
-from sim.render.renderer_thread import RendererThread
+from sim.render.renderer_thread import MESA_THREADS, RendererThread
 
 MODEL = """<mujoco><worldbody><light type="directional" dir="0 0 -1" intensity="100"/>
 <geom type="plane" size="5 5 .1"/></worldbody></mujoco>"""
@@ -36,6 +37,25 @@ def test_what_is_rendered_in_the_thread_is_what_any_thread_renders() -> None:
     with RendererThread(model, LENS) as thread:
         found = thread.submit(render, thread.renderer).result()
     np.testing.assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize(("chosen", "wanted"), [(None, "1"), ("3", "3")])
+def test_the_context_uses_one_thread_of_mesa_unless_the_user_has_chosen(
+    monkeypatch: pytest.MonkeyPatch, chosen: str | None, wanted: str
+) -> None:
+    seen = []
+
+    class Noting(FakeRenderer):
+        def __init__(self, *_: object) -> None:
+            seen.append(os.environ.get(MESA_THREADS))
+
+    monkeypatch.setattr(renderer_thread, "FilamentRenderer", Noting)
+    monkeypatch.delenv(MESA_THREADS, raising=False)
+    if chosen is not None:
+        monkeypatch.setenv(MESA_THREADS, chosen)
+    with RendererThread(mujoco.MjModel.from_xml_string(MODEL), LENS):
+        assert os.environ.get(MESA_THREADS) == chosen  # other renderers are not affected
+    assert seen == [wanted]
 
 
 class FakeRenderer:
