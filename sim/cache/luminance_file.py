@@ -1,9 +1,10 @@
 """File of a sequence's luminance: each sample as its exact change from the one before.
 
-A record has a head (lengths of tags and body, time, rectangle, checksum) and a body. The body holds
-what changed in the rectangle's pixels, as 32-bit codes packed by `sim.cache.packing`, with deflated
-tags. Each checksum continues the one before, and the first starts from the sequence's key. A record
-that is damaged, misplaced or from another sequence is therefore detected before it is used.
+A record has a head (length of the body, time, rectangle, checksum) and a body. The body holds what
+changed in the rectangle's pixels, first of luminance and then of bodies, as 32-bit codes packed by
+`sim.cache.packing`. Each checksum continues the one before, and the first starts from the
+sequence's key. A record that is damaged, misplaced or from another sequence is therefore detected
+before it is used.
 """
 
 from __future__ import annotations
@@ -23,16 +24,15 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.files import open_regular
-from sim.cache.packing import add_change, pack_change, tags_shape
+from sim.cache.packing import add_change, max_bytes, pack_change
 from sim.geometry.rectangles import Rectangle
 
 F32 = npt.NDArray[np.float32]
 I32 = npt.NDArray[np.int32]
+U8 = npt.NDArray[np.uint8]
 U32 = npt.NDArray[np.uint32]
 
-DEFLATE_LEVEL = 1
-"""Level of deflation: the fastest. Tags make up only a twentieth of a file (measured)."""
-_HEAD = struct.Struct("<2Iq4i")
+_HEAD = struct.Struct("<Iq4i")
 _CHECKSUM = struct.Struct("<I")
 
 
@@ -80,18 +80,23 @@ class LuminanceWriter:
         Raises:
             OSError: the file cannot be written to.
         """
-        codes = _codes(sample)
+        planes = _codes(sample)
         if self._before is None:
-            self._before = np.zeros_like(codes)
+            self._before = np.zeros((2, *planes[0].shape), np.uint32)
         x0, y0, x1, y1 = sample.changed
-        tags, data = pack_change(codes[:, y0:y1, x0:x1], self._before[:, y0:y1, x0:x1])
-        deflated = zlib.compress(tags.data, DEFLATE_LEVEL)
-        body = deflated + data.tobytes()
-        head = _HEAD.pack(len(deflated), len(body), sample.t_us, *sample.changed)
+        changed = [
+            (plane[y0:y1, x0:x1], old[y0:y1, x0:x1])
+            for plane, old in zip(planes, self._before, strict=True)
+        ]
+        packed, end = np.empty(2 * max_bytes(changed[0][0]), np.uint8), 0
+        for now, before in changed:
+            end = pack_change(now, before, packed, end)
+        body = packed[:end].data
+        head = _HEAD.pack(end, sample.t_us, *sample.changed)
         self._checksum = zlib.crc32(body, zlib.crc32(head, self._checksum))
-        record = head + _CHECKSUM.pack(self._checksum) + body
-        self._file.write(record)
-        self.written += len(record)
+        self._file.write(head + _CHECKSUM.pack(self._checksum))
+        self._file.write(body)
+        self.written += _HEAD.size + _CHECKSUM.size + end
 
     def continue_from(self, codes: U32, checksum: int, size: int) -> None:
         """Continue a file after a record that was read from it.
@@ -239,7 +244,7 @@ def read_luminance(
         left -= len(head)
         if len(head) < _HEAD.size + _CHECKSUM.size:
             raise DamagedError
-        deflated, length, t_us, *rectangle = _HEAD.unpack_from(head)
+        length, t_us, *rectangle = _HEAD.unpack_from(head)
         if length > left:
             raise DamagedError
         body = file.read(length)
@@ -247,7 +252,7 @@ def read_luminance(
         checksum = zlib.crc32(body, zlib.crc32(head[: _HEAD.size], checksum))
         if _CHECKSUM.unpack_from(head, _HEAD.size)[0] != checksum:
             raise DamagedError
-        _add(codes, memoryview(body), deflated, tuple(rectangle))
+        _add(codes, np.frombuffer(body, np.uint8), tuple(rectangle))
         if writer is not None:
             writer.continue_from(codes, checksum, file.tell())
         luminance, bodies = codes.copy()
@@ -256,18 +261,17 @@ def read_luminance(
         )
 
 
-def _codes(sample: LuminanceSample) -> U32:
-    """Return luminance and body numbers as 32-bit codes, (2, height, width)."""
+def _codes(sample: LuminanceSample) -> tuple[U32, U32]:
+    """Return luminance and body numbers as 32-bit codes, (height, width) each."""
     luminance = np.ascontiguousarray(sample.luminance, np.float32).view(np.uint32)
-    return np.stack([luminance, np.ascontiguousarray(sample.body, np.int32).view(np.uint32)])
+    return luminance, np.ascontiguousarray(sample.body, np.int32).view(np.uint32)
 
 
-def _add(codes: U32, body: memoryview, deflated: int, rectangle: Rectangle) -> None:
+def _add(codes: U32, packed: U8, rectangle: Rectangle) -> None:
     """Add the changes of a record's body to (2, height, width) codes, in place."""
     x0, y0, x1, y1 = rectangle
-    part = codes[:, y0:y1, x0:x1]
-    try:
-        tags = np.frombuffer(zlib.decompress(body[:deflated]), np.uint8)
-        add_change(part, tags.reshape(tags_shape(part)), np.frombuffer(body[deflated:], np.uint8))
-    except (zlib.error, ValueError) as error:
-        raise DamagedError from error
+    end = 0
+    for plane in codes[:, y0:y1, x0:x1]:
+        end = add_change(plane, packed, end) if end >= 0 else end
+    if end != len(packed):
+        raise DamagedError
