@@ -41,7 +41,6 @@ from sim.raster.aperture import (
     LENS_BLUR_PX,
 )
 from sim.raster.scan_conversion import NO_LABEL, rasterise
-from sim.raster.triangles import triangle_soup
 from sim.raster.visibility import visibility_map
 from sim.render.filament import Luminance
 from sim.render.renderer_thread import RendererThread
@@ -109,7 +108,7 @@ class Reprojection:
         self._blur_px = 0.0 if scene.shake else LENS_BLUR_PX
         self._data = mujoco.MjData(model)
         self._place(times_us[0])
-        soup = triangle_soup(model)
+        soup = scene.soup
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers, self._static = soup.of_bodies(moving), soup.without_bodies(moving)
         self._areas = AffectedAreaFinder(model, self._data, scene.objects, self._pose, self._wide)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -160,11 +161,16 @@ def _mesh(model: mujoco.MjModel, mesh: int, *, in_own_frame: bool) -> Triangles:
     return np.asarray(vertices[faces])
 
 
-def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
+@cache
+def _unit_box() -> Triangles:
     low, high = [(-1, -1, 1), (1, -1, 1), (1, 1, 1)], [(-1, -1, 1), (1, 1, 1), (-1, 1, 1)]
     face = np.array([low, high], np.float64)
     faces = [np.roll(face, turn, axis=2) for turn in range(3)]
-    return np.concatenate([*faces, *(-side[:, ::-1] for side in faces)]) * size
+    return np.concatenate([*faces, *(-side[:, ::-1] for side in faces)])
+
+
+def _box(size: F64, _slices: int, _stacks: int) -> Triangles:
+    return np.asarray(_unit_box() * size)
 
 
 def _plane(size: F64, slices: int, stacks: int) -> Triangles:

@@ -44,6 +44,8 @@ def luminance_model(
     for k in range(grey.ntex):
         if grey.tex_nchannel[k] >= 3:
             texels = _texels(grey, k)[:, :3]
+            if (texels == texels[:, :1]).all():  # grey already, as most of a street's are
+                continue
             is_srgb = grey.tex_colorspace[k] == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB
             texels[:] = np.rint(255 * _grey(texels / 255, is_srgb)).astype(np.uint8)
     for diffuse in grey.light_diffuse:  # a light's diffuse colour scales its intensity

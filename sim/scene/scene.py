@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from sim.geometry.pinhole import Pose
 from sim.motion.camera_shake import Shake, camera_shake
 from sim.motion.paths import Motion
 from sim.motion.trajectory import Trajectory
+from sim.raster.triangles import TriangleSoup, triangle_soup
 from sim.scene import lighting
 from sim.scene.lighting import Flicker
 from sim.scene.movers import add_movers, find_movers, heading
@@ -68,6 +70,11 @@ class Scene:
     flicker: Flicker | None
     flickering_lights: Numbers
     flickering_materials: Numbers
+
+    @cached_property
+    def soup(self) -> TriangleSoup:
+        """The triangles of everything that is rendered."""
+        return triangle_soup(self.model)
 
     @property
     def target(self) -> MovingObject:

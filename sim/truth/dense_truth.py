@@ -9,7 +9,6 @@ import numpy.typing as npt
 from sim.geometry.pinhole import Intrinsics
 from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.raster import flow
-from sim.raster.triangles import triangle_soup
 from sim.raster.visibility import VisibilityMap, visibility_map
 from sim.scene.scene import Scene
 
@@ -48,7 +47,7 @@ class DenseTruth:
         """
         self.scene, self.lens = scene, lens
         self.object_of_body = _object_of_body(scene)
-        self.soup = triangle_soup(scene.model)
+        self.soup = scene.soup
         moving = [int(b) for o in scene.objects for b in o.bodies]
         self._movers = self.soup.of_bodies(moving)
         self._static = self.soup.without_bodies(moving)
