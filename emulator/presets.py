@@ -180,7 +180,7 @@ def _v2e_noisy() -> SensorConfig:
         leak_hz_per_lux=0.0,
         leak_spread=0.0,
         leak_tail_fraction=0.0,
-        noise_sigma=0.05,
+        noise_sigma=0.0503,
         dark_current_spread=0.0,
         readout=UNLIMITED,
         aps=ApsConfig(),

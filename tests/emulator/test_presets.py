@@ -44,10 +44,10 @@ def test_presets_have_the_size_and_field_of_view_of_their_sensor(
 
 
 def test_v2e_noisy_has_5_hz_of_shot_noise_in_dim_light() -> None:
-    config = replace(preset("v2e_noisy"), width=64, height=48, leak_hz=0.0)
+    config = replace(preset("v2e_noisy"), width=128, height=96, leak_hz=0.0)
     frame = uniform_frame(luminance_for_lux(1.0, config), config)
     events, _ = run_sensor(config, ((t, frame) for t in range(0, 1_000_001, 20_000)))
-    assert events.size / 3072 == pytest.approx(5.0, rel=0.05)
+    assert events.size / 12288 == pytest.approx(5.0, rel=0.05)
 
 
 def test_v2e_clean_gives_no_events_of_a_static_scene() -> None:
