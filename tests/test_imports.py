@@ -28,7 +28,7 @@ exception."""
 LAYERS = {
     "sim": (
         "errors geometry raster motion distractors config scene render truth cache shadows "
-        "keyframes crossing event_truth photometric_camera moving_model preview"
+        "compositing keyframes crossing event_truth photometric_camera moving_model preview"
     ),
     "emulator": (
         "errors aps.config readout.config config noise arguments biases readout.event_keys "

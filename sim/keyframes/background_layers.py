@@ -32,8 +32,8 @@ class BackgroundLight(NamedTuple):
     """What the renderer contributes to the background: the luminance and albedo of its sub-pixels.
 
     Attributes:
-        subpixels: as in `sim.keyframes.background.Background`.
-        subpixel_albedo: as in `sim.keyframes.background.Background`.
+        subpixels: as in `sim.compositing.background.Background`.
+        subpixel_albedo: as in `sim.compositing.background.Background`.
     """
 
     subpixels: F32

@@ -4,7 +4,7 @@ The static background is rendered once, in layers of light (`sim.keyframes.backg
 objects are scan-converted exactly at every sample (`sim.keyframes.mover_visibility`). The luminance
 of their surfaces comes from the keyframes before and after (`sim.keyframes.store`), where each
 point is found through the exact pose of its rigid body. Their shadows and beams fall on the
-background by the geometry of the lights (`sim.shadows`). `sim.keyframes.compositing` combines all
+background by the geometry of the lights (`sim.shadows`). `sim.compositing.composite` combines all
 of these. The image of a shaking camera is that of a steady camera, rotated
 (`sim.keyframes.rotation_warp`).
 """
@@ -19,6 +19,10 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.cache.luminance_cache import LuminanceCache
+from sim.compositing.canvas import blank_canvas, show_bodies, wipe
+from sim.compositing.composite import composite
+from sim.compositing.edge_pixels import aperture
+from sim.compositing.pixel_labels import label_pixels
 from sim.geometry.pinhole import Intrinsics, Projection
 from sim.geometry.rectangles import (
     Rectangle,
@@ -29,10 +33,7 @@ from sim.geometry.rigid_transform import body_poses, compose_transforms
 from sim.keyframes.background import (
     background_of,
 )
-from sim.keyframes.canvas import blank_canvas, show_bodies, wipe
-from sim.keyframes.compositing import aperture, composite
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
-from sim.keyframes.pixel_labels import label_pixels
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.renderings import Renderings
 from sim.keyframes.rotation_warp import SHAKE_SCALE, rotated_image

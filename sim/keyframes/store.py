@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from sim.compositing.surface_lookup import Surfaces, move_surfaces
 from sim.geometry.pinhole import Projection
-from sim.keyframes.surface_lookup import Surfaces, move_surfaces
 from sim.raster.aperture import to_grid
 from sim.scene.moving_objects import MovingObject
 

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sim.compositing.background import Background
+from sim.compositing.canvas import blank_canvas
+from sim.compositing.composite import composite
+from sim.compositing.edge_pixels import aperture
+from sim.compositing.pixel_labels import label_pixels
+from sim.compositing.surface_lookup import Surfaces
 from sim.geometry.pinhole import Intrinsics, Pose, Projection
-from sim.keyframes.background import Background
-from sim.keyframes.canvas import blank_canvas
-from sim.keyframes.compositing import aperture, composite
-from sim.keyframes.pixel_labels import label_pixels
-from sim.keyframes.surface_lookup import Surfaces
 from sim.raster.aperture import LENS_BLUR_PX
 from sim.raster.scan_conversion import NO_LABEL
 from sim.shadows.shadows_and_beams import ShadowsAndBeams

@@ -6,9 +6,9 @@ from concurrent.futures import Future
 import numpy as np
 import numpy.typing as npt
 
+from sim.compositing.surface_lookup import Surfaces
 from sim.geometry.pinhole import Projection
 from sim.keyframes.store import Keyframe, KeyframeStore, cut_patches
-from sim.keyframes.surface_lookup import Surfaces
 from sim.raster.aperture import LENS_BLUR_PX
 from sim.scene.moving_objects import MovingObject
 from tests.sim.flat_background import LENS

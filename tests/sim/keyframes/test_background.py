@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from sim.compositing.background import Background
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.keyframes.background import Background, background_of
+from sim.keyframes.background import background_of
 from sim.keyframes.background_layers import BackgroundLight, render_light
 from sim.raster.aperture import to_pixels
 from sim.raster.triangles import triangle_soup

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
+from sim.compositing.background import Background
 from sim.geometry.rectangles import Rectangle
-from sim.keyframes.background import Background
 from sim.raster.scan_conversion import NO_LABEL
 
 F32 = npt.NDArray[np.float32]
@@ -24,7 +24,8 @@ class Canvas(NamedTuple):
         image: (height, width) float32 luminance [cd/m²].
         label: (rows, columns) int32 moving part that each sub-pixel shows, or `NO_LABEL`.
         nearness: (rows, columns) float32 1/depth of what each sub-pixel shows [1/m].
-        pixel_label: (height, width) int32 what each pixel shows; see `sim.keyframes.pixel_labels`.
+        pixel_label: (height, width) int32 what each pixel shows; see
+            `sim.compositing.pixel_labels`.
         lit: (layers - 1, height, width) float32 share of each layer but the first that reaches the
             background.
         shadowed: (height, width) int32, a bit for each shadow that falls on the pixel's centre.

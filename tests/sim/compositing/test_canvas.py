@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim.keyframes.canvas import blank_canvas, show_bodies, wipe
+from sim.compositing.canvas import blank_canvas, show_bodies, wipe
 from sim.raster.scan_conversion import NO_LABEL
 from tests.sim.flat_background import flat_background
 

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim.keyframes.pixel_labels import EDGE, dilate, label_pixels, mark_edges
+from sim.compositing.pixel_labels import EDGE, dilate, label_pixels, mark_edges
 from sim.shadows.shadows_and_beams import MAX_SHADOWS
 
 I32 = npt.NDArray[np.int32]

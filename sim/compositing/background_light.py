@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled, inlined
+from sim.compositing.background import Background
+from sim.compositing.canvas import Canvas
+from sim.compositing.pixel_labels import EDGE
 from sim.geometry.pinhole import Projection
 from sim.geometry.rectangles import Rectangle
-from sim.keyframes.background import Background
-from sim.keyframes.canvas import Canvas
-from sim.keyframes.pixel_labels import EDGE
 from sim.shadows.point_illumination import (
     Row,
     beam_lux,
