@@ -3,7 +3,7 @@
 At the end of its refractory period, a pixel memorises the light with its noise n0. From then on the
 mean n(t) of the noise relaxes to 0 through the low-passes, and leak moves the memory down, so that
 the mean difference is d(t) = n(t) − n0 + drift·t. Noise crosses a threshold with the hazard of
-`emulator.pixel.noisy.passage`. It is then θ_on above the memory, or θ_off below. A share of it is
+`emulator.pixel.noisy.hazard`. It is then θ_on above the memory, or θ_off below. A share of it is
 left at the end of the refractory period, when the rest of the variance is new. So n0 is a Markov
 chain, and its stationary distribution gives both rates. Averages over pixels take the mismatch of
 the thresholds and the spread of the dark current by Gauss-Hermite quadrature.
@@ -20,7 +20,7 @@ import numpy.typing as npt
 from emulator.config import SensorConfig
 from emulator.noise.first_passage import H_MAX, surprise
 from emulator.noise.photoreceptor_noise import noise_of
-from emulator.pixel.noisy.passage import diffusion_rate, lead_at_event
+from emulator.pixel.noisy.hazard import diffusion_rate, lead_at_event
 from emulator.pixel.source_follower import separated
 from flybench.kernels import compiled
 

@@ -14,12 +14,10 @@ import math
 import numpy as np
 
 from emulator.noise.random_numbers import exponential, gaussian, uniform
+from emulator.pixel.noisy.hazard import distances, hazards_of, lead_at_event
 from emulator.pixel.noisy.passage import (
     LONGEST_US,
     SHORT,
-    distances,
-    hazards_of,
-    lead_at_event,
     mean_difference,
     mean_slope,
     noisy_course,

@@ -15,20 +15,18 @@ from emulator.noise.random_numbers import exponential, gaussian, uniform
 from emulator.pixel import fields as at
 from emulator.pixel.batch import OTHER, SILENT, SINGLE, Batch, Reals, rounded_up
 from emulator.pixel.noisy.advance import mark_of
+from emulator.pixel.noisy.hazard import (
+    hazards_of,
+    lead_at_event,
+    mean_diffusion_rate,
+    spans_per_tau,
+)
 from emulator.pixel.noisy.near_batch import (
     course_of,
     quarter_differences,
     spend_clocks,
 )
-from emulator.pixel.noisy.passage import (
-    NoisyCourse,
-    hazards_of,
-    lead_at_event,
-    mean_difference,
-    mean_diffusion_rate,
-    mean_slope,
-    spans_per_tau,
-)
+from emulator.pixel.noisy.passage import NoisyCourse, mean_difference, mean_slope
 from emulator.pixel.noisy.wake_batch import follow, hold_in_reset
 from emulator.pixel.state import MOVED, PixelModel, PixelState
 from flybench.kernels import compiled, inlined

@@ -11,7 +11,8 @@ from emulator.noise.first_passage import surprise
 from emulator.noise.photoreceptor_noise import noise_of
 from emulator.pixel import fields as at
 from emulator.pixel.batch import CROSSING, SILENT, Batch, Reals, rounded_up
-from emulator.pixel.noisy.passage import NoisyCourse, mean_diffusion_rate, spans_per_tau
+from emulator.pixel.noisy.hazard import mean_diffusion_rate, spans_per_tau
+from emulator.pixel.noisy.passage import NoisyCourse
 from emulator.pixel.source_follower import amplitudes, separated, separated_corner
 from emulator.pixel.state import PixelModel
 from flybench.kernels import compiled, inlined
