@@ -25,7 +25,7 @@ from scenarios.study.claims.small_table import SmallTable, tables_by_velocity
 from scenarios.study.rows import Row
 from scenarios.study.statistics import Interval, distinct, interval_of, mean_interval, select
 from scenarios.styles.method_style import method_style
-from scenarios.velocity_sweep.rank_correlation import rank_correlation
+from scenarios.velocity_sweep.grms import spearman
 
 VARIATION, STRENGTH = "response_variation", "response_mean"
 FEW_FPS = 10.0
@@ -163,8 +163,9 @@ def _rises(
         own = select(rows, lighting=lighting)
         found = mean_by_sequence(own, column)
         means = [v.mean for n in slowest_first(own) if (v := found[n]) is not None]
-        if len(means) >= _FEWEST_SPEEDS and len(set(means)) > 1:
-            ranks[lighting] = rank_correlation(range(len(means)), means)
+        rank = spearman(range(len(means)), means)
+        if rank is not None and len(means) >= _FEWEST_SPEEDS:
+            ranks[lighting] = rank
             shown |= mean_texts({n: found[n] for n in slowest_first(own)})
     if not ranks:
         return not_tested(statement, where, "too few velocities")
