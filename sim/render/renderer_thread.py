@@ -6,9 +6,11 @@ does everything in the order in which it was asked to.
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -63,17 +65,25 @@ class RendererThread:
         except BaseException:
             self._end()
             raise
+        _open.add(self)
 
     def __enter__(self) -> RendererThread:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Cancel what waits, close the renderer and end the thread. The second call does nothing."""
+        if self not in _open:
+            return
+        _open.discard(self)
         for asked in self._asked:
             asked.cancel()
         if threading.current_thread() is self._thread:
             self.renderer.close()
             self._calls.put(None)
-        elif not sys.is_finalizing():  # at the end of Python, the thread no longer runs
+        elif self._thread.is_alive() and not sys.is_finalizing():
             self.submit(self.renderer.close).result()
             self._end()
 
@@ -92,6 +102,17 @@ class RendererThread:
         self._calls.put((asked, partial(function, *args, **kwargs)))
         self._asked = [*(other for other in self._asked if not other.done()), asked]
         return asked
+
+
+_open: weakref.WeakSet[RendererThread] = weakref.WeakSet()
+"""The threads that are not closed."""
+
+
+@atexit.register
+def _close_all() -> None:
+    """Close what nobody has closed: Python would crash if it ended before the renderer."""
+    for thread in list(_open):
+        thread.close()
 
 
 @contextmanager

@@ -2,6 +2,8 @@
 
 import gc
 import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -141,3 +143,19 @@ def test_the_garbage_collector_may_end_the_context_in_the_thread_itself(
     forgotten(thread)
     thread.submit(gc.collect).result(timeout=20)
     assert FakeRenderer.threads[0] is FakeRenderer.threads[1]
+
+
+@pytest.mark.parametrize("ending", ["", "raise ValueError('of the user')", "samples.close()"])
+def test_python_may_end_while_samples_are_unread(ending: str) -> None:
+    program = f"""
+from sim import Crossing, CrossingConfig
+samples = Crossing(CrossingConfig(omega_rad_s=8.0)).samples()
+next(samples)
+print("read", flush=True)
+{ending}
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert (done.returncode, done.stdout) == (1 if "raise" in ending else 0, "read\n"), done.stderr
+    assert "terminating" not in done.stderr
