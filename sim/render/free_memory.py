@@ -18,12 +18,15 @@ sequence. Returning them lowers the peak of `flybench run` at night from 1,056 t
 (measured)."""
 SPARE_BYTES = 16 * 1024**2
 """Free memory that is kept for the next sample (assumed)."""
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+_TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 """Parameter numbers of `mallopt`, from glibc's `malloc.h`."""
 
 
 def return_large_blocks() -> bool:
     """Make the C library return large freed blocks at once, in this process from now on.
+
+    All threads share one heap from now on, instead of a heap each with free blocks of its own: the
+    peak of `flybench run` at night falls from 902 to 865 MB (measured).
 
     Returns:
         True if the C library supports this; without glibc, nothing changes.
@@ -31,8 +34,8 @@ def return_large_blocks() -> bool:
     mallopt = _glibc_function("mallopt")
     if mallopt is None:
         return False
-    succeeded = mallopt(_MMAP_THRESHOLD, LARGE_BYTES), mallopt(_TRIM_THRESHOLD, SPARE_BYTES)
-    return all(succeeded)
+    wanted = {_MMAP_THRESHOLD: LARGE_BYTES, _TRIM_THRESHOLD: SPARE_BYTES, _ARENA_MAX: 1}
+    return all([mallopt(number, value) for number, value in wanted.items()])
 
 
 def return_free_memory() -> None:
