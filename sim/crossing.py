@@ -32,8 +32,8 @@ from sim.keyframes.rotation_warp import steady_lens
 from sim.motion.sample_times import sample_times_us
 from sim.render.filament import FilamentRenderer, Luminance, rendering_bytes
 from sim.render.free_memory import return_large_blocks
+from sim.render.kept_renderer import renderer_thread
 from sim.render.luminance_model import luminance_model
-from sim.render.renderer_thread import RendererThread
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene, build_scene
 from sim.shadows.shadows_and_beams import AffectedAreaFinder
@@ -230,12 +230,10 @@ class Crossing:
         Raises:
             RendererError: this machine cannot render.
         """
-        model = luminance_model(self.scene.model)
         lens = steady_lens(self.scene, self.intrinsics, [self.seconds(t) for t in times_us])
-        with RendererThread(model, lens) as thread:
+        with renderer_thread(self.scene.model, lens) as thread:
             reprojection = Reprojection(
                 thread,
-                model,
                 self.scene,
                 self.intrinsics,
                 times_us,

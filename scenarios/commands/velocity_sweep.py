@@ -33,6 +33,7 @@ from scenarios.velocity_sweep.rows import Row, measure_velocity
 from scenarios.velocity_sweep.table import print_rows
 from sim import CrossingConfig, Lighting, LuminanceCache
 from sim.config import PAPER_OMEGA_RAD_S
+from sim.render.kept_renderer import kept_renderer
 
 MAX_SEEDS = 100
 NEEDED_BYTES = 60_000
@@ -98,7 +99,7 @@ class VelocitySweep:
         """Return the rows of all velocities, and why the detector failed at some of them."""
         rows: list[Row] = []
         failed: list[str] = []
-        with progress_bar() as progress:
+        with progress_bar() as progress, kept_renderer():
             for config in configs:
                 try:
                     rows += measure_velocity(config, self.seeds, progress, cache=cache)

@@ -22,6 +22,7 @@ from scenarios.pipeline.scoring import TargetTrack, score_estimates
 from scenarios.pipeline.summary import truth_summary
 from scenarios.sweep.point_key import code_digest
 from sim import Crossing, RendererError
+from sim.render.kept_renderer import keep_renderer
 
 MAX_TASK_POINTS = 8
 """Points per task: eight flies with a DAVIS346 take 0.1 GB, beside 0.6 GB for the renderer."""
@@ -98,6 +99,7 @@ def measure_task(task: Task) -> list[Results | Failure]:
     with _TASK_LOCK:  # a worker may have several threads, but can render only one sequence at once
         if not task.use_all_cores:
             pin_threads()
+        keep_renderer()  # the next task may have the same model
         try:
             return list(_run_and_score(task.configs, task.cache))
         except RendererError:

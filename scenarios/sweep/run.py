@@ -26,6 +26,7 @@ from scenarios.sweep.measure import Failure, Results, Task, make_tasks, measure_
 from scenarios.sweep.plan import Plan, Point
 from scenarios.sweep.point_key import code_digest, point_key
 from scenarios.sweep.table import Row, make_rows, write_csv, write_parquet
+from sim.render.kept_renderer import kept_renderer
 
 Measure = Callable[[Task], list[Results | Failure]]
 Progress = Callable[[int, int], None]
@@ -97,7 +98,7 @@ def run_sweep(
     keys = [point_key(point.config) for point in plan.points]
     configs = {key: point.config for key, point in zip(keys, plan.points, strict=True)}
     folder = folder.absolute()  # a detector may change the current folder
-    with sweep_folder(folder), Journal(folder / JOURNAL) as journal:
+    with sweep_folder(folder), Journal(folder / JOURNAL) as journal, kept_renderer():
         drop_results(folder)
         with durable_file(folder / COPY) as part:
             part.write_text(plan.text, encoding="utf-8")

@@ -49,7 +49,6 @@ class Renderings:
     def __init__(
         self,
         thread: RendererThread,
-        model: mujoco.MjModel,
         scene: Scene,
         seconds: Callable[[int], float],
         areas: AffectedAreaFinder,
@@ -60,8 +59,8 @@ class Renderings:
         """Prepare; nothing is rendered yet.
 
         Args:
-            thread: renderer of `model` for a steady camera.
-            model: luminance model of the scene. The thread changes its lights temporarily.
+            thread: renderer of the scene's luminance model for a steady camera. It changes the
+                lights of the model temporarily.
             scene: the scene.
             seconds: converts a time [µs] to the scene's time [s].
             areas: lights whose shadows and beams move.
@@ -69,6 +68,7 @@ class Renderings:
             static: triangles of the static objects.
             flickering: lamps that flicker; None if there are none.
         """
+        model = thread.model
         self._thread, self._model, self._scene, self._areas = thread, model, scene, areas
         self._raster, self._flickering = raster, flickering
         self._data = data = mujoco.MjData(model)  # used by the thread only

@@ -77,7 +77,6 @@ class Reprojection:
     def __init__(
         self,
         thread: RendererThread,
-        model: mujoco.MjModel,
         scene: Scene,
         lens: Intrinsics,
         times_us: Sequence[int],
@@ -91,8 +90,8 @@ class Reprojection:
         """Render the static background and plan the keyframes.
 
         Args:
-            thread: renderer of `model`, with the lens from `sim.keyframes.rotation_warp`.
-            model: luminance model of the scene.
+            thread: renderer of the scene's luminance model, with the lens from
+                `sim.keyframes.rotation_warp`.
             scene: the scene: what moves, and how.
             lens: intrinsics of the camera.
             times_us: times of the samples [µs].
@@ -102,7 +101,7 @@ class Reprojection:
             step_px: maximum displacement of anything from one sample to the next [px].
             cache: where the rendered background is kept for other sequences; None: nowhere.
         """
-        self._scene = scene
+        self._scene, model = scene, thread.model
         self._wide, self._lens, self._seconds = thread.renderer.intrinsics, lens, seconds
         self._scale = SHAKE_SCALE if scene.shake else 1
         self._supersample, self._pose = -(-supersample // self._scale), scene.pose
@@ -135,7 +134,7 @@ class Reprojection:
             stride=max(int(PLAN_STEP_PX / step_px), 1),
         )
         renderings = Renderings(
-            thread, model, scene, seconds, self._areas, self._raster, self._static, self._flickering
+            thread, scene, seconds, self._areas, self._raster, self._static, self._flickering
         )
         light = renderings.background(affected, cache)
         data = self._data, self._pose, self._static

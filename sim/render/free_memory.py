@@ -35,7 +35,8 @@ def return_large_blocks() -> bool:
     if mallopt is None:
         return False
     wanted = {_MMAP_THRESHOLD: LARGE_BYTES, _TRIM_THRESHOLD: SPARE_BYTES, _ARENA_MAX: 1}
-    return all([mallopt(number, value) for number, value in wanted.items()])
+    succeeded = [mallopt(number, value) for number, value in wanted.items()]
+    return all(succeeded)
 
 
 def return_free_memory() -> None:

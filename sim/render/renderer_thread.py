@@ -40,6 +40,7 @@ class RendererThread:
     example, that nobody uses any more. A `ThreadPoolExecutor` would then have lost its thread.
 
     Attributes:
+        model: the model that is rendered.
         renderer: the renderer, to be used by functions that are passed to `submit` only.
     """
 
@@ -53,6 +54,7 @@ class RendererThread:
         Raises:
             RendererError: this machine has no Vulkan device.
         """
+        self.model = model
         self._calls: Calls = SimpleQueue()
         self._asked: list[Future[Any]] = []
         self._thread = threading.Thread(
@@ -74,18 +76,22 @@ class RendererThread:
         self.close()
 
     def close(self) -> None:
-        """Cancel what waits, close the renderer and end the thread. The second call does nothing."""
+        """Cancel what waits, close the renderer and end the thread; at once if that is done."""
         if self not in _open:
             return
         _open.discard(self)
-        for asked in self._asked:
-            asked.cancel()
+        self.cancel()
         if threading.current_thread() is self._thread:
             self.renderer.close()
             self._calls.put(None)
         elif self._thread.is_alive() and not sys.is_finalizing():
             self.submit(self.renderer.close).result()
             self._end()
+
+    def cancel(self) -> None:
+        """Cancel everything that was submitted and has not begun."""
+        for asked in self._asked:
+            asked.cancel()
 
     def _end(self) -> None:
         self._calls.put(None)

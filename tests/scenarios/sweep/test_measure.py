@@ -1,5 +1,6 @@
 """Points that share a rendered sequence, measured together and one by one."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
@@ -21,6 +22,7 @@ from scenarios.sweep.measure import (
 )
 from scenarios.sweep.point_key import code_digest
 from sim import CrossingConfig
+from sim.render.kept_renderer import release_renderer
 
 COARSE = CrossingConfig(omega_rad_s=3.0, step_px=8.0, supersample=1, lead_s=0.05)
 SMALL = SensorConfig(width=96, height=64)
@@ -31,6 +33,12 @@ CONFIGS = (
     replace(FLY, method="plane-fit", fly=None),
     replace(FLY, sensor=replace(SMALL, theta_on=0.3)),
 )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_renderer_left() -> Iterator[None]:
+    yield
+    release_renderer()
 
 
 @pytest.fixture(scope="module")
