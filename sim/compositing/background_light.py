@@ -93,7 +93,7 @@ def _add_shadow(
     for row in range(max(area[1], rectangle[1]), min(area[3], rectangle[3])):
         i = np.uintp(row)
         points = _row_of_points(projection, row, 1)
-        _find_shares(effects, shadow, points, nearness[i], start, end, shares)
+        find_unshadowed_shares(effects, shadow, points, nearness[i], start, end, shares)
         for column in range(start, end):
             j = np.uintp(column)
             label, share = pixel_label[i, j], shares[0, j]
@@ -309,35 +309,10 @@ def _shade_run(
                 stop += 1
             if stop > column:
                 first, last = column * size, stop * size
-                _find_shares(effects, shadow, points, nearness, first, last, shares)
+                find_unshadowed_shares(effects, shadow, points, nearness, first, last, shares)
                 for j in range(first, last):
                     share[np.uintp(j)] *= shares[0, np.uintp(j)]
             column = stop + 1
-
-
-@inlined
-def _find_shares(
-    effects: ShadowsAndBeams,
-    shadow: int,
-    points: Row,
-    nearness: F32,
-    start: int,
-    end: int,
-    shares: F64,
-) -> None:
-    """Call `find_unshadowed_shares` for one of the shadows."""
-    find_unshadowed_shares(
-        effects.maps,
-        effects.sizes,
-        effects.views,
-        effects.is_sun,
-        shadow,
-        points,
-        nearness,
-        start,
-        end,
-        shares,
-    )
 
 
 @inlined

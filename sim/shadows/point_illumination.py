@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import inlined
+from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
-I64 = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 SUN_BIAS_M = 2e-3
 """How much nearer to the sun a caster must be than the point that it shades [m] (assumed)."""
@@ -32,10 +31,7 @@ next, relative to the focal length and from the image's centre."""
 
 @inlined
 def find_unshadowed_shares(
-    maps: F32,
-    sizes: I64,
-    views: F64,
-    is_sun: Bools,
+    effects: ShadowsAndBeams,
     shadow: int,
     points: Row,
     nearness: F32,
@@ -46,10 +42,7 @@ def find_unshadowed_shares(
     """Find the share of a light, 0 to 1, that passes a moving object and reaches points of a row.
 
     Args:
-        maps: shadow maps, as in `sim.shadows.shadows_and_beams.ShadowsAndBeams`.
-        sizes: rows and columns of each map in use.
-        views: views of the maps.
-        is_sun: True for each map of the sun.
+        effects: the shadows, in their maps.
         shadow: index of the shadow.
         points: the row.
         nearness: 1/depth of the points of the row [1/m].
@@ -57,9 +50,10 @@ def find_unshadowed_shares(
         end: point after the last.
         shares: (3, at least `end`); the first row is set to the shares, the others are overwritten.
     """
-    find_texels(views[shadow], is_sun[shadow], points, nearness, start, end, shares)
-    columns, rows, width = sizes[shadow, 1] - 2, sizes[shadow, 0] - 2, maps.shape[2]
-    texels = maps[shadow].ravel()
+    view, is_sun = effects.views[shadow], effects.is_sun[shadow]
+    find_texels(view, is_sun, points, nearness, start, end, shares)
+    rows, columns = effects.sizes[shadow, 0] - 2, effects.sizes[shadow, 1] - 2
+    texels, width = effects.maps[shadow].ravel(), effects.maps.shape[2]
     for j in range(start, end):
         k = np.uintp(j)
         u, v, near = shares[0, k], shares[1, k], shares[2, k]

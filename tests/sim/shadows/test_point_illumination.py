@@ -11,8 +11,7 @@ from sim.shadows.point_illumination import (
     beam_of,
     find_unshadowed_shares,
 )
-
-SIZES = np.array([[6, 8]])
+from sim.shadows.shadows_and_beams import ShadowsAndBeams
 
 
 def share_at(
@@ -26,9 +25,20 @@ def share_at(
     maps[0, :, 4:] = caster
     view = np.zeros((1, 3, 4))
     view[0, :, 3] = u, v, w
+    shadow = ShadowsAndBeams(
+        gains=np.ones(2),
+        maps=maps,
+        sizes=np.array([[6, 8]]),
+        views=view,
+        light=np.zeros(1, np.int64),
+        is_sun=np.array([is_sun]),
+        shadow_areas=np.array([[0, 0, 1, 1]]),
+        beams=np.empty((0, 9)),
+        beam_areas=np.empty((0, 4), np.int64),
+        beam_range_m=1.0,
+    )
     near, shares = np.full(1, nearness, np.float32), np.empty((3, 1))
-    row = 0.0, 0.0, 0.0
-    find_unshadowed_shares(maps, SIZES, view, np.array([is_sun]), 0, row, near, 0, 1, shares)
+    find_unshadowed_shares(shadow, 0, (0.0, 0.0, 0.0), near, 0, 1, shares)
     return float(shares[0, 0])
 
 
