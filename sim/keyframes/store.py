@@ -205,15 +205,16 @@ def cut_patches(
 
     stride, patches = supersample // per_pixel, {}
     for part, view in views.items():
-        rows, columns = np.nonzero(label == part)
+        shown = label == part
+        rows, columns = (np.flatnonzero(shown.any(axis=axis)) for axis in (1, 0))
         if not rows.size:
             continue
-        first = np.array([rows.min(), columns.min()]) // supersample - 1
-        last = np.array([rows.max(), columns.max()]) // supersample + 2
+        first = np.array([rows[0], columns[0]]) // supersample - 1
+        last = np.array([rows[-1], columns[-1]]) // supersample + 2
         first = np.maximum(first, 0) * supersample
         last = np.minimum(last * supersample, label.shape)
         box = slice(first[0], last[0]), slice(first[1], last[1])
-        mask = (label[box] == part).astype(np.float32)
+        mask = shown[box].astype(np.float32)
         patches[part] = Patch(
             x0=corner_px[0] * per_pixel + int(first[1]) // stride,
             y0=corner_px[1] * per_pixel + int(first[0]) // stride,
