@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.cli import main
 from scenarios.output import terminal
+from tests.scenarios.in_process import exit_status
 
 DOCS = Path(__file__).parent.parent / "docs"
 FOLDERS = ("tutorials", "how-to", "notebooks")
@@ -49,38 +49,26 @@ def commands(page: Path) -> Iterator[list[str]]:
             yield words[1:]
 
 
-Flybench = Callable[[list[str]], bool]
-"""Function that runs flybench in this process, and returns True if its exit status is 0."""
+def runs(words: list[str]) -> bool:
+    return bool(exit_status(words) == 0)
 
 
 @pytest.fixture
-def runs(monkeypatch: pytest.MonkeyPatch) -> Flybench:
-    for name in ("prepare_streams", "claim_output"):
-        monkeypatch.setattr(terminal, name, lambda: None)
-
-    def run(words: list[str]) -> bool:
-        monkeypatch.setattr(sys, "argv", ["flybench", *words])
-        with pytest.raises(SystemExit) as end:
-            main()
-        return end.value.code == 0
-
-    return run
-
-
-@pytest.fixture
-def accepts(runs: Flybench, monkeypatch: pytest.MonkeyPatch) -> Flybench:
+def accepts(monkeypatch: pytest.MonkeyPatch) -> Callable[[list[str]], bool]:
     """Like `runs`, but only the arguments are parsed."""
     monkeypatch.setattr(terminal, "execute", lambda _command: 0)
     return runs
 
 
-def test_a_wrong_option_is_not_accepted(accepts: Flybench) -> None:
+def test_a_wrong_option_is_not_accepted(accepts: Callable[[list[str]], bool]) -> None:
     assert accepts(["run", "--lighting", "night"])
     assert not accepts(["run", "--lightning", "night"])
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_a_page_gives_only_commands_that_exist(page: Path, accepts: Flybench) -> None:
+def test_a_page_gives_only_commands_that_exist(
+    page: Path, accepts: Callable[[list[str]], bool]
+) -> None:
     assert [shlex.join(words) for words in commands(page) if not accepts(words)] == []
 
 
@@ -115,9 +103,7 @@ def test_the_python_of_a_page_runs_as_written(name: str, tmp_path: Path) -> None
         ("dataset", "how-to/labelled-dataset.md"),
     ],
 )
-def test_the_file_of_a_page_is_accepted(
-    command: str, page: str, runs: Flybench, tmp_path: Path
-) -> None:
+def test_the_file_of_a_page_is_accepted(command: str, page: str, tmp_path: Path) -> None:
     name, body = FILE.findall((DOCS / page).read_text(encoding="utf-8"))[0]
     (tmp_path / name).write_text(body, encoding="utf-8")
     assert runs([command, str(tmp_path / name), "--dry-run"])

@@ -1,10 +1,10 @@
 """Exit status and errors of commands."""
 
 import errno
-import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,6 +14,7 @@ from flybench.memory import VARIABLE
 from formats import FormatError
 from scenarios.output.streams import SafeConsole, say
 from scenarios.output.terminal import execute
+from tests.scenarios.in_process import exit_status
 
 PRINTS_MUCH = """
 import sys
@@ -147,18 +148,24 @@ def test_memory_that_runs_out_is_one_sentence(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().err.startswith("flybench: memory ran out. ")
 
 
-def run_flybench(*arguments: str) -> tuple[int, str]:
-    environment = {k: v for k, v in os.environ.items() if k != VARIABLE} | {"COLUMNS": "200"}
-    done = subprocess.run(
-        [sys.executable, "-m", "flybench", *arguments],
-        capture_output=True,
-        text=True,
-        env=environment,
-    )
-    return done.returncode, done.stdout + done.stderr
+@pytest.fixture
+def run_flybench(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str]]:
+    """Function that runs flybench, and returns its exit status and what it printed."""
+    monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*arguments: str) -> tuple[int, str]:
+        status, printed = exit_status(arguments), capsys.readouterr()
+        return status, printed.out + printed.err
+
+    return run
 
 
-def test_the_budget_is_an_option_of_every_command(tmp_path: Path) -> None:
+def test_the_budget_is_an_option_of_every_command(
+    tmp_path: Path, run_flybench: Callable[..., tuple[int, str]]
+) -> None:
     path = tmp_path / "large.csv"
     path.write_text("0,0,0,1\n10,29000,28000,1\n20,5,5,0\n")
     detect = ("detect", str(path), "--columns", "txyp")
@@ -171,7 +178,9 @@ def test_the_budget_is_an_option_of_every_command(tmp_path: Path) -> None:
         assert len(shown.strip().splitlines()) == 1
 
 
-def test_a_sweep_with_markup_in_its_names_is_shown(tmp_path: Path) -> None:
+def test_a_sweep_with_markup_in_its_names_is_shown(
+    tmp_path: Path, run_flybench: Callable[..., tuple[int, str]]
+) -> None:
     path = tmp_path / "[red].toml"
     path.write_text('[[levels."[/green]"]]\nname = "[/red] \\u001b[2J"\nseed = 1\n')
     status, shown = run_flybench("sweep", str(path), "--dry-run", "--out", str(tmp_path / "out"))
