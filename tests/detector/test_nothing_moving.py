@@ -83,7 +83,8 @@ def test_a_still_scene_in_flickering_light_gives_none(
 
 def test_without_the_share_floor_flickering_light_gives_directions() -> None:
     fly = FlyDetector(FlyConfig(share_floor=0.0))
-    found = fly.push(flickering_texture(0.4)) + fly.advance(300_000)
+    events = flickering_texture(0.4, duration_us=120_000)
+    found = fly.push(events) + fly.advance(120_000)
     assert share_of_none(found) < 0.8
 
 

@@ -114,16 +114,17 @@ def test_a_run_from_the_cache_has_the_same_events_and_reports_it(
 ) -> None:
     cache = CacheOptions(cache=tmp_path / "cache")
 
-    def run(name: str) -> tuple[Any, str]:
+    def run(name: str, *, recording: bool) -> tuple[Any, str]:
         out = tmp_path / name
-        assert Run(omega=2.42, cache=cache, out=out, **COARSE).execute() == 0
+        command = Run(omega=2.42, cache=cache, recording=recording, out=out, **COARSE)
+        assert command.execute() == 0
         source = json.loads((out / "summary.json").read_text())["luminance"]
         return read_events(out / "events.h5"), source
 
-    first, source = run("first")
+    first, source = run("first", recording=False)
     assert source == "rendered"
     monkeypatch.setattr(crossing_module, "FilamentRenderer", NoRenderer)
-    second, source = run("second")
+    second, source = run("second", recording=True)
     assert source == "from the cache"
     assert np.array_equal(first, second)
     assert "from the cache" in capsys.readouterr().out
@@ -134,7 +135,7 @@ def test_a_cache_folder_that_cannot_be_created_is_a_warning(
 ) -> None:
     (tmp_path / "file").touch()
     cache = CacheOptions(cache=tmp_path / "file" / "cache")
-    run = Run(omega=2.42, cache=cache, out=tmp_path / "out", **COARSE)
+    run = Run(omega=2.42, cache=cache, recording=False, out=tmp_path / "out", **COARSE)
     assert execute(run) == 0
     folder = str(tmp_path / "file")
     (warning,) = [line for line in capsys.readouterr().err.splitlines() if folder in line]
