@@ -31,11 +31,17 @@ def test_leak_is_periodic_within_a_pixel_and_varies_with_mismatch() -> None:
     assert found.variation == pytest.approx(0.035 / 0.18, rel=0.15)
 
 
-def test_noise_makes_the_leak_slightly_irregular() -> None:
-    found = measure_intervals(record_static(SensorConfig(), chip_lux=BRIGHT_LUX, seed=1))
-    assert found is not None
-    assert found.pixel_variation < 0.1
-    assert found.variation > 0.3
+def test_section_of_the_default_sensor() -> None:
+    """Its noise makes the leak slightly irregular."""
+    section = measure(SensorConfig(), seed=1)
+    assert len(section.plots) == 2
+    dim, dim_pixel, bright, bright_pixel = (row.measured for row in section.quantities)
+    assert dim is not None
+    assert dim_pixel is not None
+    assert bright is not None
+    assert bright_pixel is not None
+    assert bright_pixel < 0.1 < 0.3 < bright
+    assert dim > dim_pixel > bright_pixel
 
 
 def test_a_sensor_without_events_has_no_intervals() -> None:
