@@ -17,7 +17,7 @@ demo: setup
 # crashes ends the tests, which would otherwise wait for it for ever.
 test: setup
 	$(BIN)/python -m pytest --numprocesses logical --maxprocesses 4 --dist loadfile \
-	    --max-worker-restart 0
+	    --no-loadscope-reorder --max-worker-restart 0
 
 lint: setup
 	$(BIN)/ruff check .
