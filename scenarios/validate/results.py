@@ -162,10 +162,10 @@ def print_results(console: Console, results: Sequence[WindowResult]) -> None:
     """
     for result in results:
         _print_table(console, result.label, result.totals, moving=result.moves)
-    for moving, title in ((True, "all windows with motion"), (False, "all windows without")):
+    for moving, title in ((True, "with"), (False, "without")):
         by_method = totals(results, moving=moving)
         if by_method:
-            _print_table(console, title, by_method, moving=moving)
+            _print_table(console, f"all windows {title} motion", by_method, moving=moving)
 
 
 def _print_table(
@@ -178,7 +178,7 @@ def _print_table(
         table.add_row(method_style(method).label, *cells(total, moving=moving))
     console.print(table)
     for note in dict.fromkeys(total.note for total in by_method.values() if total.note):
-        methods = ", ".join(
+        methods = "; ".join(  # a label may contain a comma
             method_style(method).label for method, total in by_method.items() if total.note == note
         )
         console.print(f"{methods}: {note}", markup=False)
