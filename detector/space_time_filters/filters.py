@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -59,6 +60,7 @@ def gabor(x: F64, frequency: float, sigma: float) -> C128:
     return np.asarray(envelope * np.exp(2j * math.pi * frequency * x))
 
 
+@cache
 def preferred_frequency(mu: float) -> float:
     """Return the temporal frequency to which the filter responds most [Hz] (section 2.2.4).
 
