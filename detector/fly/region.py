@@ -8,6 +8,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+_GROWN, _EIGHT_NEIGHBOURS = 2, 8
+"""Value of the cells that a region has grown over, and how it grows."""
+
 
 def search_square(
     shape: tuple[int, int], centre: tuple[float, float], *, reach: float
@@ -51,6 +54,7 @@ def region_of_interest(
     active = square >= share * square.max()
     y, x = np.nonzero(active)
     nearest = np.argmin((x + columns.start - centre[0]) ** 2 + (y + rows.start - centre[1]) ** 2)
-    _, labels = cv2.connectedComponents(active.astype(np.uint8), connectivity=8)
-    region[rows, columns] = labels == labels[y[nearest], x[nearest]]
+    grown = active.astype(np.uint8)
+    cv2.floodFill(grown, None, (int(x[nearest]), int(y[nearest])), _GROWN, flags=_EIGHT_NEIGHBOURS)
+    region[rows, columns] = grown == _GROWN
     return region

@@ -262,10 +262,13 @@ def _sum_by_cell(
 ) -> None:
     """Add the surface of each pixel to that of its cell."""
     polarities, height, width = latest.shape
+    active = np.empty(width, np.int32)  # a branch for each pixel would often be mispredicted
     for q in range(polarities):
         for y in range(height):
             row, times, here = sums[q, down[y]], latest[q, y], levels[q, y]
+            number = 0
             for x in range(width):
-                age = now_us - times[x]
-                if age <= window_us:
-                    row[across[x]] += here[x] * table[age >> _TABLE_BITS]
+                active[number] = x
+                number += now_us - times[x] <= window_us
+            for x in active[:number]:
+                row[across[x]] += here[x] * table[(now_us - times[x]) >> _TABLE_BITS]
