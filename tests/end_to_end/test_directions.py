@@ -22,6 +22,7 @@ def test_the_fly_reports_the_right_direction(lighting: Lighting, direction: Dire
             direction=direction,
             omega_rad_s=PAPER_OMEGA_RAD_S[lighting][SPEED_40_KM_H],
             step_px=4.0,
+            supersample=1,
         )
     )
     crossing, feed = make_crossing(config), make_feed(config)

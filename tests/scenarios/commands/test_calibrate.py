@@ -2,6 +2,8 @@
 
 import json
 import os
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +36,19 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def folder(recording: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the command writes, started from another sensor than the default."""
+def found(recording: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """What the command writes and prints, started from another sensor than the default."""
     out = tmp_path_factory.mktemp("out") / "found"
     start = SensorOptions("davis240", set=("follower_hz=0", "aps.target_dn=150"))
-    assert execute(Calibrate(recording, sensor=start, check=False, out=out)) == 0
-    return out
+    with redirect_stdout(StringIO()) as printed:
+        assert execute(Calibrate(recording, sensor=start, json=True, out=out)) == 0
+    return out, printed.getvalue()
+
+
+@pytest.fixture(scope="module")
+def folder(found: tuple[Path, str]) -> Path:
+    """Folder that the command writes."""
+    return found[0]
 
 
 def test_the_folder_contains_sensor_page_and_numbers(folder: Path) -> None:
@@ -70,12 +79,9 @@ def test_what_is_not_told_stays_and_is_named(folder: Path) -> None:
     assert "not told" in (folder / PAGE).read_text(encoding="utf-8")
 
 
-def test_the_check_predicts_the_second_half(
-    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "found"
-    assert execute(Calibrate(recording, json=True, out=out)) == 0
-    printed = json.loads(capsys.readouterr().out)
+def test_the_check_predicts_the_second_half(found: tuple[Path, str]) -> None:
+    out, text = found
+    printed = json.loads(text)
     prediction = printed["prediction"]
     assert prediction is None or prediction["fitted_error"] >= 0.0
     assert printed == json.loads((out / NUMBERS).read_text(encoding="utf-8"))

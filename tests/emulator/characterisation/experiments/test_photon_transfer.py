@@ -1,12 +1,15 @@
 """The photon transfer curve recovers the parameters of the frames."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from emulator import ApsConfig, SensorConfig
+from emulator.characterisation.experiments import photon_transfer
 from emulator.characterisation.experiments.photon_transfer import (
+    PhotonTransfer,
     fit_line,
     fixed_pattern_dn,
     measure,
@@ -15,8 +18,13 @@ from emulator.characterisation.experiments.photon_transfer import (
 )
 
 
+@cache
+def of_the_default() -> PhotonTransfer:
+    return measure_photon_transfer(SensorConfig(), seed=1)
+
+
 def test_the_default_parameters_are_recovered() -> None:
-    found = measure_photon_transfer(SensorConfig(), seed=1)
+    found = of_the_default()
     assert found.electrons_per_dn == pytest.approx(37_000 / 680, rel=0.04)
     assert found.read_noise_e == pytest.approx(66.0, rel=0.06)
     assert found.full_well_e == pytest.approx(37_000, rel=0.04)
@@ -75,6 +83,9 @@ def test_exposures_longer_than_the_usual_period_work() -> None:
     assert record_frames(config, chip_lux=0.001, number=3, seed=1).shape[0] == 3
 
 
-def test_the_section_compares_every_figure() -> None:
+def test_the_section_compares_every_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        photon_transfer, "measure_photon_transfer", lambda *_, **__: of_the_default()
+    )
     section = measure(SensorConfig(), seed=1)
     assert all(quantity.published is not None for quantity in section.quantities)
