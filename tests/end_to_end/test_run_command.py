@@ -20,7 +20,7 @@ from scenarios.runs.run_table import print_runs
 from scenarios.runs.sequence import RunParts, record_run
 from tests.scenarios.in_process import exit_status
 
-COARSE = ("--step-px", "8", "--supersample", "1", "--omega", "2.42")
+COARSE = ("--step-px", "8", "--supersample", "1", "--omega", "4.0")
 
 
 def flybench(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -53,7 +53,7 @@ def test_a_run_of_only_the_events_replaces_an_earlier_run(
 ) -> None:
     """It has the events of the earlier one, with causes and sources, and none of its files."""
     folder = Path(shutil.copytree(finished_run[0], tmp_path / "events"))
-    run = Run(omega=2.42, step_px=8, supersample=1, seed=7, only_events=True, out=folder)
+    run = Run(omega=4.0, step_px=8, supersample=1, seed=7, only_events=True, out=folder)
     assert run.execute() == 0
     assert {path.name for path in folder.iterdir()} == {"events.h5", "truth.csv", "summary.json"}
     assert [path.name for path in tmp_path.iterdir()] == [folder.name]
@@ -87,7 +87,7 @@ def test_additional_formats_hold_equal_events_and_the_aps_frames(
 def test_the_summary_has_the_documented_fields(finished_run: tuple[Path, str]) -> None:
     summary, events = summary_of(finished_run[0]), read_events(finished_run[0] / "events.h5")
     assert summary["truth"]["direction"] == "right"
-    assert summary["truth"]["omega_rad_s"] == 2.42
+    assert summary["truth"]["omega_rad_s"] == 4.0
     assert summary["fly"]["direction"] == "right"
     assert 0 <= summary["fly"]["accuracy"] <= 1
     assert summary["events"]["count"] == events.size
@@ -120,7 +120,7 @@ def table_of(summary: Any, capsys: pytest.CaptureFixture[str]) -> str:
 def test_another_process_other_chunks_and_a_second_method_give_equal_results(
     finished_run: tuple[Path, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    config = Run(omega=2.42, step_px=8, supersample=1, seed=7).config()
+    config = Run(omega=4.0, step_px=8, supersample=1, seed=7).config()
     parts = RunParts(recording=False)
     summary = record_run(config, tmp_path / "again", also=("plane-fit",), parts=parts)
     events = read_events(finished_run[0] / "events.h5")
