@@ -1,7 +1,8 @@
 """Mirrored, upside-down and transposed streams give answers turned alike, at odd sensor sizes.
 
 `fly` and `wide` are left out: their cells begin at the upper left corner, as in the published
-preset, so that on sensors whose sides are no multiples of a cell they answer only about alike.
+preset, so that on sensors whose sides are no multiples of a cell they answer only about alike. A
+plane fit may break a tie of two ages by the order of pixels, in up to 15 % of the steps.
 """
 
 from collections.abc import Callable
@@ -11,7 +12,14 @@ import pytest
 
 from detector.estimate import MotionEstimate
 from flybench.events import Events
-from scenarios.pipeline.registry import DETECTORS, FLY, FLY_EVERYWHERE, WIDE, WIDE_EVERYWHERE
+from scenarios.pipeline.registry import (
+    DETECTORS,
+    FLY,
+    FLY_EVERYWHERE,
+    PLANE_FIT,
+    WIDE,
+    WIDE_EVERYWHERE,
+)
 from tests.detector.stimuli import merged, noise, slide, textured_box
 
 DURATION_US = 200_000
@@ -71,4 +79,4 @@ def test_a_turned_stream_gives_turned_answers(method: str, width: int, height: i
         size = (height, width) if name == "transpose" else (width, height)
         found = np.array([turned_back(e) for e in run(method, turned, *size)])
         alike = np.abs(found - expected).max(axis=1) <= 1e-4 * np.abs(expected).max()
-        assert alike.mean() >= 0.85  # a fit may break a tie of two ages by the order of pixels
+        assert alike.mean() >= (0.85 if method == PLANE_FIT else 1.0)
