@@ -2,8 +2,8 @@
 
 import csv
 import json
-import subprocess
-import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -11,6 +11,7 @@ import pytest
 from scenarios.commands.envelope import Envelope
 from scenarios.envelope.grid import LEVELS
 from scenarios.errors import MethodError, OutputError, ScenarioError
+from tests.scenarios.in_process import exit_status
 
 SMALL = [
     *("--speeds", "2000", "--noises", "0.5", "1", "--seeds", "1"),
@@ -18,19 +19,13 @@ SMALL = [
 ]
 
 
-def flybench(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [str(Path(sys.executable).with_name("flybench")), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=cwd)
-
-
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    cwd = tmp_path_factory.mktemp("envelope")
-    done = flybench(
-        "envelope", "--method", "fly", "--method", "wide", *SMALL, "--out", "out", cwd=cwd
-    )
-    assert done.returncode == 0, done.stderr
-    return cwd / "out", done.stdout
+    folder = tmp_path_factory.mktemp("envelope") / "out"
+    methods = ("--method", "fly", "--method", "wide")
+    with redirect_stdout(StringIO()) as printed:
+        assert exit_status(["envelope", *methods, *SMALL, "--out", str(folder)]) == 0
+    return folder, printed.getvalue()
 
 
 def test_the_folder_holds_table_maps_and_summary(ran: tuple[Path, str]) -> None:

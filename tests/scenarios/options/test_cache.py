@@ -99,7 +99,7 @@ def test_a_repeated_sweep_renders_once_and_gives_the_same_table(
 
     def sweep(name: str) -> list[list[str]]:
         out = tmp_path / name
-        assert VelocitySweep(omegas=(2.42,), cache=cache, out=out, **COARSE).execute() == 0
+        assert VelocitySweep(omegas=(4.0,), cache=cache, out=out, **COARSE).execute() == 0
         assert "cache" not in json.loads((out / "summary.json").read_text())["parameters"]
         with (out / "velocities.csv").open(newline="") as file:
             return list(csv.reader(file))
@@ -116,7 +116,7 @@ def test_a_run_from_the_cache_has_the_same_events_and_reports_it(
 
     def run(name: str, *, recording: bool) -> tuple[Any, str]:
         out = tmp_path / name
-        command = Run(omega=2.42, cache=cache, recording=recording, out=out, **COARSE)
+        command = Run(omega=4.0, cache=cache, recording=recording, out=out, **COARSE)
         assert command.execute() == 0
         source = json.loads((out / "summary.json").read_text())["luminance"]
         return read_events(out / "events.h5"), source
@@ -135,7 +135,7 @@ def test_a_cache_folder_that_cannot_be_created_is_a_warning(
 ) -> None:
     (tmp_path / "file").touch()
     cache = CacheOptions(cache=tmp_path / "file" / "cache")
-    run = Run(omega=2.42, cache=cache, recording=False, out=tmp_path / "out", **COARSE)
+    run = Run(omega=4.0, cache=cache, recording=False, out=tmp_path / "out", **COARSE)
     assert execute(run) == 0
     folder = str(tmp_path / "file")
     (warning,) = [line for line in capsys.readouterr().err.splitlines() if folder in line]
