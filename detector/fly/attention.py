@@ -45,7 +45,7 @@ def most_salient(saliency: F32) -> Pair:
     a box, gives the same maximum in the whole box, and choosing one corner of it would favour a
     direction.
     """
-    y, x = np.nonzero(saliency == saliency.max())
+    y, x = np.divmod(np.flatnonzero(saliency == saliency.max()), saliency.shape[1])
     return float(x.mean()), float(y.mean())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -58,14 +59,10 @@ class FlyMaps:
         Returns:
             (x0, y0, x1, y1), half-open, clipped to the sensor [px].
         """
-        rows = np.flatnonzero(self.attended.any(axis=1))
-        if rows.size == 0:
+        column, row, columns, rows = cv2.boundingRect(self.attended.view(np.uint8))
+        if columns == 0:
             return None
-        columns = np.flatnonzero(self.attended.any(axis=0))
         left, top = self.origin_px
-        x0, y0 = left + int(columns[0]) * self.cell_px, top + int(rows[0]) * self.cell_px
-        x1, y1 = (
-            left + (int(columns[-1]) + 1) * self.cell_px,
-            top + (int(rows[-1]) + 1) * self.cell_px,
-        )
+        x0, y0 = left + column * self.cell_px, top + row * self.cell_px
+        x1, y1 = x0 + columns * self.cell_px, y0 + rows * self.cell_px
         return max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)

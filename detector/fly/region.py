@@ -52,7 +52,7 @@ def region_of_interest(
     if square.max(initial=0.0) <= 0.0:
         return region
     active = square >= share * square.max()
-    y, x = np.nonzero(active)
+    y, x = np.divmod(np.flatnonzero(active), active.shape[1])
     nearest = np.argmin((x + columns.start - centre[0]) ** 2 + (y + rows.start - centre[1]) ** 2)
     grown = active.astype(np.uint8)
     cv2.floodFill(grown, None, (int(x[nearest]), int(y[nearest])), _GROWN, flags=_EIGHT_NEIGHBOURS)
