@@ -21,6 +21,9 @@ FIRST = (
     "end_to_end/test_run_command.py",
     "scenarios/dataset/test_dataset.py",
     "scenarios/options/test_cache.py",
+    "test_documentation.py",
+    "test_guides.py",
+    "scenarios/test_guests.py",
 )
 """Files that take longest, so that no process waits for another at the end. A process compiles
 every kernel that no other has stored, so the first two begin with different packages."""
