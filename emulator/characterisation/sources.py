@@ -13,7 +13,7 @@ from emulator.characterisation.section import Published
 
 _LICHTSTEINER = "Lichtsteiner 2008, IEEE JSSC 43(2), DVS128"
 _BRANDLI = "Brandli 2014, IEEE JSSC 49(10), DAVIS240"
-_JOUBERT = "Joubert 2021, Front. Neurosci. 15, 50×50 pixels"
+JOUBERT = "Joubert 2021, Front. Neurosci. 15, 50×50 pixels"
 _MAKER = "iniVation, data sheet of the DAVIS346"
 _CODES = "the maker's bias codes of the DAVIS346, converted by `emulator.biases`"
 _CRADLE = "our analysis of a clip of a DAVIS346 (cradle, docs/explanation/real-recordings.md)"
@@ -23,10 +23,10 @@ OTHER_SENSOR = "published for another sensor"
 THETA_ON = Published(0.283, _CODES + SETS_DEFAULT)
 THETA_OFF = Published(0.262, f"{_CODES}; our default follows the ratio of ON to OFF events")
 THRESHOLD_RATIO = Published(1.25, f"{_CRADLE}: ON over OFF events on the dark floor{SETS_DEFAULT}")
-THRESHOLD_RATIO_JOUBERT = Published(1.33, f"{_JOUBERT}: ON over OFF events at 0.1 lux")
+THRESHOLD_RATIO_JOUBERT = Published(1.33, f"{JOUBERT}: ON over OFF events at 0.1 lux")
 MISMATCH = Published(3.5, _BRANDLI)
 MISMATCH_JOUBERT = Published(
-    2.4, f"{_JOUBERT}: scatter of ln(ON/OFF) at 0.1 lux, 8.5 % of the threshold{SETS_DEFAULT}"
+    2.4, f"{JOUBERT}: scatter of ln(ON/OFF) at 0.1 lux, 8.5 % of the threshold{SETS_DEFAULT}"
 )
 MISMATCH_DVS128 = Published(2.1, _LICHTSTEINER)
 DARK_LUX = Published(
@@ -78,52 +78,61 @@ _STRIP = f"{_CRADLE}: 696 pixels for 0.51 s, 5 events"
 _WALL = f"{_CRADLE}: bright wall at 1.7 to 2.6 lux, 15,400 pixels for 0.51 s"
 BACKGROUND_HZ = {
     0.001: (Published(0.200, _FLOOR), Published(0.160, _FLOOR)),
-    0.1: (Published(6.34, _JOUBERT), Published(4.76, _JOUBERT)),
+    0.1: (Published(6.34, JOUBERT), Published(4.76, JOUBERT)),
     0.46: (Published(0.006, _STRIP), Published(0.008, _STRIP)),
     2.2: (
         Published(0.004, f"{_WALL}: 0.003 to 0.005 Hz"),
         Published(0.0045, f"{_WALL}: 0.002 to 0.007 Hz"),
     ),
     161.0: (
-        Published(0.095, f"{_JOUBERT}: 0.086 to 0.104 Hz"),
-        Published(0.0008, f"{_JOUBERT}: 0.0003 to 0.0012 Hz"),
+        Published(0.095, f"{JOUBERT}: 0.086 to 0.104 Hz"),
+        Published(0.0008, f"{JOUBERT}: 0.0003 to 0.0012 Hz"),
     ),
-    3000.0: (Published(0.166, f"{_JOUBERT}: 0.159 to 0.172 Hz"), Published(0.0, _JOUBERT)),
+    3000.0: (Published(0.166, f"{JOUBERT}: 0.159 to 0.172 Hz"), Published(0.0, JOUBERT)),
 }
 """ON and OFF background activity of a pixel [Hz], by illuminance on the chip [lux]."""
 
 ON_QUANTILES_HZ = {
-    5: Published(2.06, f"{_JOUBERT}, 0.1 lux"),
-    50: Published(5.6, f"{_JOUBERT}, 0.1 lux"),
-    95: Published(12.4, f"{_JOUBERT}, 0.1 lux"),
+    5: Published(2.06, f"{JOUBERT}, 0.1 lux"),
+    50: Published(5.6, f"{JOUBERT}, 0.1 lux"),
+    95: Published(12.4, f"{JOUBERT}, 0.1 lux"),
 }
+INTERVALS_PERCENT = {
+    161.0: (66.0, 19.2, 6.5, 2.6, 1.4),
+    3000.0: (5.4, 22.2, 37.3, 19.2, 7.0),
+}
+"""Share of the pixels with 0, 1, 2, 3 and 4 intervals between ON events in the recordings of
+Joubert 2021 [%], by illuminance [lux]."""
+RECORDED_S = {161.0: 17.5, 3000.0: 20.0}
+"""Length of these recordings [s]. It is not stated: it is that which fits the intervals of every
+pixel with three or more of them (16 to 19 s, and 19 to 21.5 s)."""
 LN_RATE_DEVIATION = (
-    Published(0.55, f"{_JOUBERT}, 0.1 lux"),
-    Published(0.59, f"{_JOUBERT}, 0.1 lux"),
+    Published(0.55, f"{JOUBERT}, 0.1 lux"),
+    Published(0.59, f"{JOUBERT}, 0.1 lux"),
 )
 """Standard deviation over the pixels of ln(ON rate) and of ln(OFF rate)."""
-LN_RATIO_MEAN = Published(0.30, f"{_JOUBERT}, 0.1 lux")
-LN_RATIO_DEVIATION = Published(0.13, f"{_JOUBERT}, 0.1 lux; the mismatch is set from it")
+LN_RATIO_MEAN = Published(0.30, f"{JOUBERT}, 0.1 lux")
+LN_RATIO_DEVIATION = Published(0.13, f"{JOUBERT}, 0.1 lux; the mismatch is set from it")
 INTERVAL_VARIATION = (
-    Published(0.89, f"{_JOUBERT}, 0.1 lux"),
-    Published(0.79, f"{_JOUBERT}, 0.1 lux"),
+    Published(0.89, f"{JOUBERT}, 0.1 lux"),
+    Published(0.79, f"{JOUBERT}, 0.1 lux"),
 )
 """Coefficient of variation of the intervals of a pixel between ON events, and OFF events."""
-HOT_PERCENT = Published(0.08, f"{_JOUBERT}: two pixels, at 45 and 18 Hz")
+HOT_PERCENT = Published(0.08, f"{JOUBERT}: two pixels, at 45 and 18 Hz")
 SILENT_PERCENT = Published(88.0, f"{_CRADLE}: dark floor")
 FANO = Published(2.2, f"{_CRADLE}: dark floor")
 ALTERNATION_PERCENT = Published(73.0, f"{_CRADLE}: dark floor")
 
 LEAK_HZ = Published(
-    0.05, f"{_JOUBERT}: 0.055 Hz at 161 lux in the median pixel, less what light adds{SETS_DEFAULT}"
+    0.05, f"{JOUBERT}: 0.055 Hz at 161 lux in the median pixel, less what light adds{SETS_DEFAULT}"
 )
 LEAK_HZ_NOZAKI = Published(0.1, "Nozaki 2017, IEEE TED 64(8), as used in v2e")
 LEAK_HZ_PER_KLUX = Published(
-    0.0247, f"{_JOUBERT}: 0.055 Hz at 161 lux and 0.125 Hz at 3 klux, median pixel{SETS_DEFAULT}"
+    0.0247, f"{JOUBERT}: 0.055 Hz at 161 lux and 0.125 Hz at 3 klux, median pixel{SETS_DEFAULT}"
 )
 LEAK_SPREAD = (
-    Published(0.45, f"{_JOUBERT}, 161 lux: nine tenths of the pixels; our default is between"),
-    Published(0.3, f"{_JOUBERT}, 3 klux: nine tenths of the pixels; our default is between"),
+    Published(0.45, f"{JOUBERT}, 161 lux: nine tenths of the pixels; our default is between"),
+    Published(0.3, f"{JOUBERT}, 3 klux: nine tenths of the pixels; our default is between"),
 )
 """Standard deviation of ln(leak) over the pixels, at 161 lux and at 3 klux."""
 LEAK_DOUBLING_K = Published(

@@ -66,7 +66,7 @@ def measure_pixel_noise(recording: Recording) -> PixelNoise:
     rates = counts / (recording.duration_us * 1e-6)
     enough = (counts >= _FEWEST_EVENTS).all(axis=0)
     same_pixel = np.diff(pixel) == 0
-    in_window = _window_counts(pixel, t_us, height * width, recording.duration_us)
+    in_window = _window_counts(pixel, t_us, height * width, recording.duration_us, WINDOW_US)
     mean = float(in_window.mean())
     return PixelNoise(
         rates,
@@ -79,11 +79,15 @@ def measure_pixel_noise(recording: Recording) -> PixelNoise:
 
 
 def _window_counts(
-    pixel: npt.NDArray[np.int64], t_us: npt.NDArray[np.int64], pixels: int, duration_us: int
+    pixel: npt.NDArray[np.int64],
+    t_us: npt.NDArray[np.int64],
+    pixels: int,
+    duration_us: int,
+    window_us: int,
 ) -> npt.NDArray[np.int64]:
     """Return the number of events of each pixel in each whole window, (windows × pixels,)."""
-    windows = max(duration_us // WINDOW_US, 1)
-    window = t_us // WINDOW_US
+    windows = max(duration_us // window_us, 1)
+    window = t_us // window_us
     whole = window < windows
     return np.bincount(window[whole] * pixels + pixel[whole], minlength=windows * pixels)
 
@@ -114,8 +118,13 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
         "sensor was much noisier; its thresholds are about half as high, if its illuminance is on "
         "the scene. Figures in the dark stand beside those of the dark floor of a clip of a "
         "DAVIS346. Logarithms are those of pixels with five events of each polarity or more. An "
-        "event alternates if its polarity differs from that of the pixel's event before.",
-        [*_dim_rows(dim, at), *_dark_rows(dark)],
+        "event alternates if its polarity differs from that of the pixel's event before. Intervals "
+        "are counted in windows as long as the recordings of Joubert 2021.",
+        [
+            *_dim_rows(dim, at),
+            *(row for lux in sources.RECORDED_S for row in _interval_rows(config, lux, seed=seed)),
+            *_dark_rows(dark),
+        ],
         [_rate_plot(dim, at)],
     )
 
@@ -146,6 +155,46 @@ def _dim_rows(noise: PixelNoise, at: str) -> list[Quantity]:
             _few(noise.variation[k] is None),
         )
         for k, name in enumerate(("ON", "OFF"))
+    ]
+
+
+def interval_shares(recording: Recording, *, window_us: int, most: int) -> Floats:
+    """Return the shares of the pixels with 0, 1, … `most` intervals between ON events of a window.
+
+    Args:
+        recording: a static recording that is at least as long as the window.
+        window_us: length of the windows, in which intervals are counted apart [µs].
+        most: largest number of intervals.
+
+    Returns:
+        (most + 1,) shares of all pixels of all whole windows.
+    """
+    on = recording.events[recording.events["p"].astype(bool)]
+    height, width = recording.shape
+    pixel = on["y"].astype(np.int64) * width + on["x"]
+    events = _window_counts(pixel, on["t"], height * width, recording.duration_us, window_us)
+    intervals = np.maximum(events - 1, 0)
+    return np.bincount(intervals, minlength=most + 1)[: most + 1] / intervals.size
+
+
+def _interval_rows(config: SensorConfig, lux: float, *, seed: int) -> list[Quantity]:
+    """Return the shares of the pixels with few intervals, in light in which leak prevails."""
+    published, window_s = sources.INTERVALS_PERCENT[lux], sources.RECORDED_S[lux]
+    shares = interval_shares(
+        record_static(config, chip_lux=lux, seed=seed),
+        window_us=round(window_s * 1e6),
+        most=len(published) - 1,
+    )
+    source = f"our analysis of the histograms of {sources.JOUBERT}, {lux_label(lux)}"
+    return [
+        Quantity(
+            f"pixels with {k} ON interval{'' if k == 1 else 's'} in {window_s:g} s at "
+            f"{lux_label(lux)}",
+            "%",
+            100.0 * float(share),
+            Published(percent, source),
+        )
+        for k, (share, percent) in enumerate(zip(shares, published, strict=True))
     ]
 
 

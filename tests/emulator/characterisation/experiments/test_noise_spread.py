@@ -10,6 +10,7 @@ from emulator.characterisation.bench import Recording
 from emulator.characterisation.experiments.background import record_static
 from emulator.characterisation.experiments.noise_spread import (
     WINDOW_US,
+    interval_shares,
     measure,
     measure_pixel_noise,
 )
@@ -60,14 +61,25 @@ def test_pixels_that_reset_to_what_they_see_alternate() -> None:
     assert found.alternating > 0.7
 
 
+def test_intervals_between_on_events_are_counted_in_whole_windows() -> None:
+    times = [(1, 0, 0, 1), (2, 0, 0, 0), (3, 0, 0, 1), (4, 0, 0, 1), (5, 1, 0, 1)]
+    later = [(WINDOW_US + 1, 1, 0, 1), (WINDOW_US + 2, 1, 0, 1), (2 * WINDOW_US + 1, 0, 0, 1)]
+    shares = interval_shares(recording_of(times + later, windows=2), window_us=WINDOW_US, most=3)
+    assert shares.tolist() == [2 / 4, 1 / 4, 1 / 4, 0]
+
+
 def test_section_of_the_default_sensor() -> None:
     section = measure(SensorConfig(), seed=1)
-    assert len(section.quantities) == 12
+    assert len(section.quantities) == 12 + 5 + 5
     for row in section.quantities:
         assert row.published is not None
         assert row.measured is not None or row.note
     figures = section.figures
     silent = figures["silent pixels in 0.51 s of dark"].measured
     assert silent == pytest.approx(88.0, abs=12.0)
+    for lux in ("17.5 s at 161 lux", "20 s at 3 klux"):
+        shares = [x.measured or 0.0 for name, x in figures.items() if name.endswith(lux)]
+        assert len(shares) == 5
+        assert 90.0 < sum(shares) < 100.0
     low, median, high = (row.measured or 0.0 for row in section.quantities[:3])
     assert low < median < high
