@@ -13,6 +13,8 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core import config as numba_config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.sigutils import normalize_signature
+from numba.core.types import unliteral
 
 from flybench.sources import ROOT, sources_digest
 
@@ -52,9 +54,24 @@ def inlined_fastmath(function: Kernel) -> Kernel:
 
 def _compiled(function: Kernel, **options: bool) -> Kernel:
     kernel: Any = numba.njit(error_model="numpy", nogil=True, **options)(function)  # type: ignore[call-overload]
+    kernel.compile = _for_any_value(kernel.compile)
     if _cache_folder(Path(function.__code__.co_filename).parent) is not None:
         kernel._cache = _KernelCache(function)  # type: ignore[no-untyped-call]
     return cast(Kernel, kernel)
+
+
+def _for_any_value(compile_types: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return a dispatcher's `compile` that ignores which constants a kernel is called with.
+
+    Numba would compile a kernel anew for each constant argument, and for the constant that a
+    counter of the caller begins with, to the same code.
+    """
+
+    def compile_any(types: Any) -> Any:
+        arguments, _ = normalize_signature(types)  # type: ignore[no-untyped-call]
+        return compile_types(tuple(unliteral(one) for one in arguments))  # type: ignore[no-untyped-call]
+
+    return compile_any
 
 
 class _Locator:

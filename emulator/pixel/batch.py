@@ -42,7 +42,7 @@ class Batch(NamedTuple):
         crossing_fields: (FIELDS·BATCH,) numbers of those pixels.
     """
 
-    indices: npt.NDArray[np.int32]
+    indices: npt.NDArray[np.int64]
     changed: npt.NDArray[np.bool_]
     fields: Reals
     crossing: npt.NDArray[np.int32]
@@ -52,7 +52,7 @@ class Batch(NamedTuple):
 def empty_batch() -> Batch:
     """Return an empty batch."""
     return Batch(
-        np.empty(BATCH, np.int32),
+        np.empty(BATCH, np.int64),
         np.empty(BATCH, np.bool_),
         np.ones(FIELDS * STRIDE),
         np.empty(BATCH, np.int32),

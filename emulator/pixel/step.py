@@ -40,7 +40,8 @@ def doubled(keys: Keys, most: int) -> Keys:
     if 2 * keys.size > most:
         raise MemoryError("too many events")
     larger = np.empty(2 * keys.size, np.int64)
-    larger[: keys.size] = keys
+    for k in range(keys.size):
+        larger[k] = keys[k]
     return larger
 
 

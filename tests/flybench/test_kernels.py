@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import flybench
+from flybench.kernels import compiled
 
 ROOT = Path(flybench.__file__).parent.parent
 OUTER = """
@@ -88,3 +89,20 @@ def test_every_kernel_is_compiled_by_one_function() -> None:
     sources = [path for package in packages for path in (ROOT / package).rglob("*.py")]
     assert len(sources) > 200
     assert [p for p in sources if "njit" in p.read_text(encoding="utf-8")] == []
+
+
+def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> None:
+    @compiled
+    def inner(number: int, scale: float) -> float:
+        return number * scale
+
+    @compiled
+    def outer(size: int) -> float:
+        found, total = 0, 0.0
+        for _ in range(size):
+            total += inner(found, 2.0) + inner(5, 3.0)
+            found += 1
+        return total
+
+    assert outer(3) == 2.0 * 3 + 15.0 * 3
+    assert len(inner.signatures) == 1  # type: ignore[attr-defined]

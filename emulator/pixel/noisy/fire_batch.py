@@ -74,12 +74,22 @@ def fire_and_hold(
     _find_quarters(own, model, rounded)
     for _ in range(rounds):
         _improve_times(own, model, rounded)
-        if not np.any(own[at.OUTCOME : at.OUTCOME + count] == OTHER):
+        if _number_left(own, count) == 0:
             break
-    own[at.SPAN : at.SPAN + rounded] = own[at.EVENT_TIME : at.EVENT_TIME + rounded]
+    for k in range(rounded):
+        own[at.SPAN + k] = own[at.EVENT_TIME + k]
     follow(own, model, rounded)
     _fire(own, model, rounded)
     hold_in_reset(own, model, rounded, span_us)
+
+
+@compiled
+def _number_left(own: Reals, count: int) -> int:
+    """Return how many of the first `count` pixels have not converged."""
+    left = 0
+    for k in range(count):
+        left += own[at.OUTCOME + k] == OTHER
+    return left
 
 
 @compiled

@@ -229,5 +229,7 @@ def _plan_sleep(state: PixelState, model: PixelModel) -> None:
         _, sleep_us, _ = advance_noisy(pixel, segment, mismatch, model, i, 0.0, True, False)
         wake_us[i] = np.int32(sleep_us)
     for block in range(state.block_wake_us.size):
-        first = block * BLOCK
-        state.block_wake_us[block] = wake_us[first : first + BLOCK].min()
+        earliest_us = wake_us[block * BLOCK]
+        for i in range(block * BLOCK, min((block + 1) * BLOCK, wake_us.size)):
+            earliest_us = min(earliest_us, wake_us[i])
+        state.block_wake_us[block] = earliest_us
