@@ -37,6 +37,7 @@ class Quantity:
         measured: measured value; None if the experiment could not measure it.
         published: published figure to compare with; None if we know of none.
         note: remark for the reader, such as why a value is missing.
+        counts: False if it is not a figure of this sensor, but of one to compare it with.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Quantity:
     measured: float | None
     published: Published | None = None
     note: str = ""
+    counts: bool = True
 
     @property
     def difference(self) -> float | None:

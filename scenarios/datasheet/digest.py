@@ -63,7 +63,7 @@ def digest(sheet: Datasheet) -> Digest:
 
 def _quantities(sheet: Datasheet) -> Iterator[Quantity]:
     for section in sheet.sections.values():
-        yield from section.quantities
+        yield from (quantity for quantity in section.quantities if quantity.counts)
 
 
 def _other(quantity: Quantity) -> bool:

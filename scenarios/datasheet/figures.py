@@ -18,8 +18,8 @@ from scenarios.output.colours import OFF, ON, SERIES, Rgb, hex_of
 
 SIZE_IN = (4.4, 3.3)
 """Width and height of a plot: small enough for its text to be readable on a phone [inch]."""
-_LEGEND_LETTERS = 54
-"""Letters that fit in one line of a legend."""
+_LEGEND_LETTERS, _KEY_LETTERS = 66, 6
+"""Letters that fit in one line of a legend, and the width of the sign before each name."""
 _MARKERS, _LINES = "osD^v", ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 """Markers and lines of a few curves, in turn, since colour alone does not distinguish them for all.
 """
@@ -160,5 +160,6 @@ def _lowest(series: Sequence[Series]) -> float:
 def _add_legend(axes: Axes) -> None:
     handles, labels = axes.get_legend_handles_labels()
     if len(labels) > 1:
-        columns = max(1, min(4, len(labels), _LEGEND_LETTERS // max(map(len, labels))))
+        width = _KEY_LETTERS + max(map(len, labels))
+        columns = max(1, min(4, len(labels), _LEGEND_LETTERS // width))
         axes.figure.legend(handles, labels, loc="outside lower center", ncols=columns)

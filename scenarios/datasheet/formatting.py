@@ -47,7 +47,7 @@ def difference(quantity: Quantity) -> str:
     if quantity.unit == "dB":
         return f"{_signed(quantity.measured - quantity.published.value)} dB"
     if share >= 1.0:
-        return f"× {share + 1.0:.2g}"
+        return f"× {plain_number(float(f'{share + 1.0:.2g}'))}"
     return f"{_signed(100.0 * share)} %"
 
 

@@ -50,6 +50,22 @@ def test_v2e_noisy_has_5_hz_of_shot_noise_in_dim_light() -> None:
     assert events.size / 12288 == pytest.approx(5.0, rel=0.05)
 
 
+def test_the_former_default_has_nowhere_more_noise_than_it_had_in_the_dark() -> None:
+    former = preset("davis346_2026_11")
+    config = replace(
+        former, width=64, height=48, leak_hz=0.0, leak_hz_per_lux=0.0, hot_fraction=0.0
+    )
+
+    def rate_hz(chip_lux: float) -> float:
+        frame = uniform_frame(luminance_for_lux(chip_lux, config), config)
+        events, _ = run_sensor(config, ((t, frame) for t in range(0, 4_000_001, 20_000)))
+        return float(events.size) / (4 * 64 * 48)
+
+    assert 5.0 < rate_hz(29.0) < 12.0  # σ falls from 30 lux on
+    assert rate_hz(2.2) < 3.0
+    assert rate_hz(100.0) < 1.0
+
+
 def test_v2e_clean_gives_no_events_of_a_static_scene() -> None:
     clean = preset("v2e_clean")
     aps = replace(clean.aps, period_min_us=10_000_000)

@@ -144,19 +144,22 @@ def _quantities(found: _ByLux, other: _ByLux) -> list[Quantity]:
     name = f"pixels above {_HOT_HZ:g} Hz at 161 lux on the chip"
     quantities.append(Quantity(name, "%", hot, sources.HOT_PERCENT))
     for lux in sources.CRADLE_LUX:
-        quantities += _rows(other[lux], f"{lux_label(lux)} on the chip, other reading", lux)
+        at = f"{lux_label(lux)} on the chip, other reading"
+        quantities += _rows(other[lux], at, lux, counts=False)
     for lux in sources.JOUBERT_LUX:
         at = f"{lux_label(lux)} on the scene, other reading"
-        quantities += _rows(other[CHIP_PER_SCENE * lux], at, lux)
+        quantities += _rows(other[CHIP_PER_SCENE * lux], at, lux, counts=False)
     return quantities
 
 
-def _rows(background: Background, at: str, published_lux: float) -> list[Quantity]:
+def _rows(
+    background: Background, at: str, published_lux: float, *, counts: bool = True
+) -> list[Quantity]:
     """Return the rows of one illuminance, beside the rates published for `published_lux`."""
     on, off = sources.BACKGROUND_HZ[published_lux]
     return [
-        Quantity(f"ON events at {at}", "Hz", background.on_hz, on),
-        Quantity(f"OFF events at {at}", "Hz", background.off_hz, off),
+        Quantity(f"ON events at {at}", "Hz", background.on_hz, on, counts=counts),
+        Quantity(f"OFF events at {at}", "Hz", background.off_hz, off, counts=counts),
     ]
 
 

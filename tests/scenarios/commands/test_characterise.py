@@ -213,7 +213,9 @@ def test_the_summary_counts_what_agrees_and_names_what_does_not() -> None:
         ("a", 1.05, 1.0), ("b", 1.9, 1.0), ("c", 9.0, 1.0), ("c", 9.0, 8.9), ("d", 0.1, 1.0)
     )
     elsewhere = Quantity("e", "", 9.0, Published(1.0, "Somebody 1999", another_sensor=True))
-    section = replace(SECTION, quantities=[*figures, elsewhere, *quantities(("f", 1.0, None))])
+    other = replace(figures[0], name="of another sensor", counts=False)
+    rest = [elsewhere, other, *quantities(("f", 1.0, None))]
+    section = replace(SECTION, quantities=[*figures, *rest])
     found = digest(Datasheet(SensorConfig(), 3, {"one": section}))
     assert (found.compared, found.close, found.within_double) == (5, 2, 1)
     assert (found.far, found.elsewhere) == (["d"], 1)
@@ -237,6 +239,26 @@ def test_curves_have_the_colours_of_their_polarity_and_different_markers() -> No
     assert [line.get_color() for line in lines[:2]] == [hex_of(ON), hex_of(OFF)]
     assert len({line.get_marker() for line in lines}) == 3
     assert len({line.get_linestyle() for line in lines}) == 3
+
+
+def test_a_legend_of_long_names_fits_into_the_figure() -> None:
+    names = [f"DAVIS346 clip, {polarity}" for polarity in ("ON", "OFF") * 4]
+    figure = draw(replace(PLOT, series=[series(name, X, X, Style.PUBLISHED) for name in names]))
+    figure.canvas.draw()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.width
+
+
+def test_a_section_without_published_figures_has_no_columns_for_them() -> None:
+    heads = ["published", "difference", "source"]
+    for known, expected in ((2.0, heads), (None, [])):
+        section = replace(SECTION, quantities=quantities(("a", 1.0, known)))
+        sheet = Datasheet(SensorConfig(), 3, {"one": section})
+        page = render_page(sheet, changes={"preset": "davis346"}, versions={"numpy": "2"})
+        text = page.split('<section id="one">')[1]
+        assert [head for head in heads if f">{head}</th>" in text] == expected
+        assert [head for head in heads if f'data-name="{head}"' in text] == expected
 
 
 def test_figures_are_reproducible_svg() -> None:
@@ -267,6 +289,7 @@ def test_numbers_as_text() -> None:
     assert formatting.with_unit(0.0, "") == "0"
     assert formatting.with_unit(None, "Hz") == formatting.NOT_MEASURED
     assert formatting.difference(Quantity("a", "", 28.0, Published(3.0, ""))) == "× 9.3"
+    assert formatting.difference(Quantity("a", "", 478.0, Published(3.0, ""))) == "× 160"
     assert formatting.difference(Quantity("a", "", 2.0, Published(4.0, ""))) == "−50.0 %"
     assert formatting.difference(Quantity("a", "dB", 113.2, Published(120.0, ""))) == "−6.8 dB"
     assert formatting.difference(Quantity("a", "", 2.9999, Published(3.0, ""))) == "0.0 %"
