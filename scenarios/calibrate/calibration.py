@@ -60,7 +60,8 @@ def calibrate(
     events = events_by_pixel(recording.events, recording.shape)
     refractory = refractory_page(events)
     rows, columns = recording.shape
-    sensor = with_values(replace(start, width=columns, height=rows), refractory)
+    start = replace(start, width=columns, height=rows)
+    sensor = with_values(start, refractory)
     progress(1, STEPS)
     quiet = quiet_time(recording)
     usual = quiet.of(~hot_pixels(quiet))
@@ -68,10 +69,10 @@ def calibrate(
     for number in range(_ROUNDS):
         found = fit_thresholds(recording, events, sensor)
         thresholds = thresholds_page(found, sensor)
-        sensor = with_values(sensor, thresholds)
+        told = with_values(with_values(start, refractory), thresholds)
         progress(3 + 2 * number, STEPS)
-        noise = noise_page(fit_noise(usual, sensor, cutoff=number > 0))
-        sensor = with_values(sensor, noise)
+        noise = noise_page(fit_noise(usual, told, cutoff=number > 0))
+        sensor = with_values(told, noise)
         progress(4 + 2 * number, STEPS)
     leak = leak_page(fit_leak_spread(usual, sensor), quiet, sensor)
     sensor = with_values(sensor, leak)

@@ -3,7 +3,10 @@
 import pytest
 
 from emulator import SensorConfig
+from emulator.characterisation import Section
+from scenarios.calibrate import calibration as calibration_module
 from scenarios.calibrate.calibration import Calibration, calibrate
+from scenarios.calibrate.fit import Fit, Parameter, unknown
 from scenarios.calibrate.recording import from_aps
 from tests.scenarios.calibrate.moving_texture import HEIGHT, WIDTH, recorded
 
@@ -75,4 +78,26 @@ def test_a_parameter_is_that_of_the_sensor(
     if name == "refractory_us" and 0.0 < sensor.follower_hz < SLOW_FOLLOWER_HZ:
         within = 0.16
     found = next(p for p in calibration.parameters if p.name == name)
+    assert getattr(calibration.sensor, name) == found.value
     assert found.value == pytest.approx(getattr(sensor, name), rel=within), found.evidence
+
+
+def test_what_only_the_first_round_tells_stays_at_the_start(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rounds: list[float] = []
+
+    def told_once(fit: object) -> Fit:
+        """A fit of the noise whose first round tells the leak; each begins from `started`."""
+        started = fit.start.leak_hz  # type: ignore[attr-defined]
+        rounds.append(started)
+        leak = Parameter("leak_hz", "Hz", 0.5, None, "") if len(rounds) == 1 else None
+        return Fit("noise", (leak or unknown("leak_hz", "Hz", "a reason"),), Section("", "", ()))
+
+    monkeypatch.setattr(calibration_module, "noise_page", told_once)
+    sensor = SENSORS["the default"]
+    events, frames = recorded(sensor)
+    recording = from_aps(events, frames, sensor.aps, name="made")
+    found = calibrate(recording, start_for(sensor))
+    assert rounds == [sensor.leak_hz] * len(rounds)
+    assert found.sensor.leak_hz == sensor.leak_hz
