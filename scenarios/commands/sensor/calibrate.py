@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,6 +13,7 @@ import tyro
 from rich.table import Table
 
 from emulator import SensorConfig
+from flybench.checks import Range
 from flybench.version import __version__
 from formats import EventFile
 from scenarios.calibrate.calibration import STEPS, Calibration, calibrate
@@ -44,6 +45,14 @@ NEEDED_BYTES = 1_000_000
 """Size of the output [bytes] (measured: 0.3 MB)."""
 WHITE_CD_M2 = 200.0
 """Luminance of the highest grey level of a video (assumed: a display)."""
+_FRAMES_FROM_MS = Range(-1e12, 1e12, "ms", "Give the time of the first frame, such as 120.")
+_OF_FRAMES = {
+    "fps": "Frames in a recording have their own times.",
+    "frames_from_ms": "Frames in a recording have their own times.",
+    "white_cd_m2": "Frames in a recording have the sensitivity that --sensor states.",
+    "transfer": "Frames in a recording are linear.",
+}
+"""Options that --frames needs, and why the frames of a recording do not."""
 _LIBRARIES = ("flybench", "numpy", "numba", "scipy", "matplotlib")
 
 
@@ -112,11 +121,7 @@ class Calibrate:
         return 0
 
     def _read(self, start: SensorConfig) -> CalibrationRecording:
-        if self.frames is None and self.fps is not None:
-            raise ScenarioError(
-                f"--fps is {self.fps:g}, but --frames is not given. Frames in a recording have "
-                "their own times. Leave it out, or give --frames."
-            )
+        self._check_options_of_frames()
         name = str(self.path)
         with self.input.open(self.path) as file:
             size = {"width": file.width, "height": file.height}
@@ -128,6 +133,19 @@ class Calibrate:
         recording = CalibrationRecording(events, video.frames, per_level, whole)
         check_recording(recording, f"{name} with {self.frames}")
         return recording
+
+    def _check_options_of_frames(self) -> None:
+        _FRAMES_FROM_MS.check("--frames-from-ms", self.frames_from_ms, ScenarioError)
+        if self.frames is not None:
+            return
+        for own in fields(self):
+            value = getattr(self, own.name)
+            if own.name in _OF_FRAMES and value != own.default:
+                shown = f"{value:g}" if isinstance(value, float) else value
+                raise ScenarioError(
+                    f"--{own.name.replace('_', '-')} is {shown}, but --frames is not given. "
+                    f"{_OF_FRAMES[own.name]} Leave it out, or give --frames."
+                )
 
     def _video(self, path: Path, file: EventFile, start: SensorConfig) -> Any:
         return read_video(

@@ -1,6 +1,7 @@
 """`flybench calibrate`: what it writes and prints, its errors, and real recordings."""
 
 import json
+import math
 import os
 from contextlib import redirect_stdout
 from io import StringIO
@@ -115,6 +116,11 @@ def test_frames_of_a_folder_of_images_are_used(tmp_path: Path) -> None:
     [
         ({"path": Path("missing.aedat4")}, "missing.aedat4"),
         ({"fps": 30.0}, "--fps is 30, but --frames is not given"),
+        ({"frames_from_ms": 5.0}, "--frames-from-ms is 5, but --frames is not given"),
+        ({"white_cd_m2": 90.0}, "--white-cd-m2 is 90, but --frames is not given"),
+        ({"transfer": "linear"}, "--transfer is linear, but --frames is not given"),
+        ({"frames": Path("a.mp4"), "frames_from_ms": math.nan}, "--frames-from-ms is nan. Allowed"),
+        ({"frames": Path("a.mp4"), "frames_from_ms": 1e30}, "a number from -1e+12 to 1e+12 ms."),
         ({"frames": Path("missing.mp4")}, "missing.mp4 does not exist"),
         ({"sensor": SensorOptions("kodak")}, "--sensor is 'kodak'"),
     ],
