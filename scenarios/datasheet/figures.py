@@ -12,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from emulator.characterisation import Plot, Series, Style
 from scenarios.output.colours import OFF, ON, SERIES, Rgb, hex_of
@@ -74,6 +75,9 @@ def draw_on(axes: Axes, plot: Plot) -> None:
     axes.set_ylabel(plot.y_label)
     if plot.x_log:
         axes.set_xscale("log")
+        low, high = axes.get_xlim()
+        if high > 10.0 * low:  # labels of less than a decade would overlap
+            axes.xaxis.set_minor_formatter(NullFormatter())
     if plot.y_log:
         axes.set_yscale("log")
     else:

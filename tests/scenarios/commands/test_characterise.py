@@ -250,6 +250,15 @@ def test_a_legend_of_long_names_fits_into_the_figure() -> None:
     assert box.x1 <= figure.bbox.width
 
 
+@pytest.mark.parametrize(("high", "labelled"), [(20.0, False), (8.0, True)])
+def test_labels_between_decades_are_shown_only_within_a_decade(high: float, labelled: bool) -> None:
+    plot = replace(PLOT, series=[series("a", [2.0, high], [1.0, 2.0], Style.LINE)])
+    figure = draw(plot)
+    figure.canvas.draw()
+    labels = figure.axes[0].get_xticklabels(minor=True)
+    assert any(label.get_text() for label in labels) == labelled
+
+
 def test_a_section_without_published_figures_has_no_columns_for_them() -> None:
     heads = ["published", "difference", "source"]
     for known, expected in ((2.0, heads), (None, [])):
