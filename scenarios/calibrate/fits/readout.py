@@ -32,7 +32,7 @@ def readout_page(events: Events) -> Fit:
     highest = float(np.bincount(t // _MS_US).max()) / _MS_US
     rows.append(Quantity("highest event rate in 1 ms", "Mev/s", highest))
     method = (
-        "Rows that share a time stamp, and steps from one row to the next, as `flybench compare` "
+        "Rows that share a time stamp, and steps from one row to the next, as flybench compare "
         "counts them. The rate of the bus shows only when it is saturated."
     )
     reason = f"nothing shows that the bus was saturated; it carried {highest:.3g} Mev/s"
