@@ -160,8 +160,9 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
         "Readout",
         f"{WIDTH}×{HEIGHT} pixels flicker by {math.exp(SWING):.1f} to 1, each with its own phase, "
         "at rising frequencies. A bus without limits gives the input rate, the arbiter the output "
-        "rate. Each row that is read takes one word of the bus, and so does each event. So the "
-        "highest output rate is below the number of words per second that the bus carries.",
+        f"rate. A line that is read takes {config.readout.line_words} words of the bus, and each "
+        "of its events one. So the highest output rate is below the number of words per second "
+        "that the bus carries.",
         _quantities(loads),
         [_rate_plot(rates, loads), _delay_plot(rates, loads)],
     )
