@@ -54,7 +54,7 @@ class RendererThread:
         Raises:
             RendererError: this machine has no Vulkan device.
         """
-        self.model = model
+        self.model, self._closed = model, False
         self._calls: Calls = SimpleQueue()
         self._asked: list[Future[Any]] = []
         self._thread = threading.Thread(
@@ -77,9 +77,9 @@ class RendererThread:
 
     def close(self) -> None:
         """Cancel what waits, close the renderer and end the thread; at once if that is done."""
-        if self not in _open:
+        if self._closed:
             return
-        _open.discard(self)
+        self._closed = True
         self.cancel()
         if threading.current_thread() is self._thread:
             self.renderer.close()
@@ -111,12 +111,13 @@ class RendererThread:
 
 
 _open: weakref.WeakSet[RendererThread] = weakref.WeakSet()
-"""The threads that are not closed."""
+"""Threads to be closed at the end of Python. The set no longer shows what the garbage collector is
+about to end, so it does not say which threads are open."""
 
 
 @atexit.register
 def _close_all() -> None:
-    """Close what nobody has closed: Python would crash if it ended before the renderer."""
+    """Close what nobody has closed: Python would crash if it ended before a renderer."""
     for thread in list(_open):
         thread.close()
 

@@ -137,6 +137,16 @@ def test_the_garbage_collector_may_end_the_context(thread: RendererThread) -> No
     assert not collector.is_alive()
 
 
+def test_a_renderer_that_is_garbage_is_closed_by_the_thread_that_made_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(renderer_thread, "FilamentRenderer", FakeRenderer)
+    forgotten(RendererThread(mujoco.MjModel.from_xml_string(MODEL), LENS))
+    gc.collect()
+    made, closed = FakeRenderer.threads
+    assert made is closed
+
+
 def test_the_garbage_collector_may_end_the_context_in_the_thread_itself(
     thread: RendererThread,
 ) -> None:
