@@ -106,7 +106,7 @@ class SensorConfig:
             from f = I/(2π·C·U) with 0.09 pA/lux, C = 4.3 fF, U = 33 mV. It gives the 30 Hz of
             v2e's night preset at 0.3 lux, and the 3 kHz of Lichtsteiner 2008 at 1 klux if that
             illuminates an 18 % grey scene seen through f/1.2 (31 lux on the chip). If Joubert 2021
-            give illuminances on the scene, it is 17 times as high; see
+            gives illuminances on the scene, it is 17 times as high; see
             `emulator.characterisation.experiments.background`.
         bandwidth_limit_hz: cutoff that the biases allow in bright light [Hz] (Lichtsteiner 2008).
         follower_hz: cutoff of the source follower behind the photoreceptor, which makes the pixel

@@ -190,10 +190,10 @@ def _v2e_noisy() -> SensorConfig:
 def _davis346_2026_11() -> SensorConfig:
     """The default before December 2026, to compare results with.
 
-    Its shot noise fell with the light, from 9.8 Hz in the dark, ON and OFF together. Noise that
-    crosses the thresholds rises with the light to 30 lux on the chip if there is no follower.
-    `noise_sigma` is chosen so that this highest rate is about 10 Hz, no more than the former sensor
-    had in the dark (now 0.3 Hz at 0.1 lux).
+    The shot noise of that sensor fell with the light, from 9.8 Hz in the dark (ON and OFF
+    together). Here noise crosses the thresholds. Without a follower, its rate rises with the light
+    up to 30 lux on the chip. `noise_sigma` is chosen for about 10 Hz there; at 0.1 lux on the chip
+    it gives 0.3 Hz.
     """
     return SensorConfig(
         theta_on=0.18,

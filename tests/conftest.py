@@ -30,7 +30,7 @@ every kernel that no other has stored, so the first two begin with different pac
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let the files of `FIRST` begin; `--no-loadscope-reorder` keeps this order in parallel."""
+    """Start with the files of `FIRST`; `--no-loadscope-reorder` keeps this order in parallel."""
     places = {(TESTS / name).resolve(strict=True): n for n, name in enumerate(FIRST)}
     items.sort(key=lambda item: places.get(item.path, len(FIRST)))
 

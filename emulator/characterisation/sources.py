@@ -104,7 +104,7 @@ INTERVALS_PERCENT = {
 """Share of the pixels with 0, 1, 2, 3 and 4 intervals between ON events in the recordings of
 Joubert 2021 [%], by illuminance [lux]."""
 RECORDED_S = {161.0: 17.5, 3000.0: 20.0}
-"""Length of these recordings [s]. It is not stated: it is that which fits the intervals of every
+"""Length of these recordings [s]. It is not published. It is chosen to fit the intervals of every
 pixel with three or more of them (16 to 19 s, and 19 to 21.5 s)."""
 LN_RATE_DEVIATION = (
     Published(0.55, f"{JOUBERT}, 0.1 lux"),

@@ -25,8 +25,8 @@ _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 def return_large_blocks() -> bool:
     """Make the C library return large freed blocks at once, in this process from now on.
 
-    All threads share one heap from now on, instead of a heap each with free blocks of its own: the
-    peak of `flybench run` at night falls from 902 to 865 MB (measured).
+    Threads that start from now on share a heap, instead of having one each with free blocks of its
+    own: the peak of `flybench run` at night falls from 902 to 865 MB (measured).
 
     Returns:
         True if the C library supports this; without glibc, nothing changes.

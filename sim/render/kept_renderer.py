@@ -20,7 +20,7 @@ from sim.render.renderer_thread import RendererThread
 
 _Key = tuple[bytes, Intrinsics]
 
-_lock = threading.Lock()
+_lock = threading.RLock()
 _kept: dict[_Key, RendererThread] = {}
 """The renderer that is kept, if there is one; nobody uses it at present."""
 _keeps = False
@@ -44,12 +44,14 @@ def release_renderer() -> None:
 
 @contextmanager
 def kept_renderer() -> Iterator[None]:
-    """Keep one renderer in the with block."""
+    """Keep one renderer in the with block, and after it only if one was kept before."""
+    kept_before = _keeps
     keep_renderer()
     try:
         yield
     finally:
-        release_renderer()
+        if not kept_before:
+            release_renderer()
 
 
 @contextmanager
@@ -82,6 +84,7 @@ def renderer_thread(model: mujoco.MjModel, lens: Intrinsics) -> Iterator[Rendere
         kept.close()
         raise
     kept.cancel()
+    kept.submit(int).result()  # what had begun may have changed the model for a moment
     with _lock:
         keeps = _keeps and not _kept
         if keeps:

@@ -76,22 +76,24 @@ class RendererThread:
         self.close()
 
     def close(self) -> None:
-        """Cancel what waits, close the renderer and end the thread; at once if that is done."""
-        if self._closed:
-            return
-        self._closed = True
-        self.cancel()
-        if threading.current_thread() is self._thread:
-            self.renderer.close()
+        """Cancel what waits, close the renderer and end the thread. It may be called again."""
+        inside = threading.current_thread() is self._thread
+        if not self._closed:
+            self._closed = True
+            self.cancel()
+            if inside:
+                self.renderer.close()
+            else:
+                self.submit(self.renderer.close)
             self._calls.put(None)
-        elif self._thread.is_alive() and not sys.is_finalizing():
-            self.submit(self.renderer.close).result()
-            self._end()
+        if not inside and not sys.is_finalizing():
+            self._thread.join()  # also if an earlier call was interrupted here
 
     def cancel(self) -> None:
         """Cancel everything that was submitted and has not begun."""
         for asked in self._asked:
             asked.cancel()
+        self._asked = []
 
     def _end(self) -> None:
         self._calls.put(None)
@@ -111,8 +113,8 @@ class RendererThread:
 
 
 _open: weakref.WeakSet[RendererThread] = weakref.WeakSet()
-"""Threads to be closed at the end of Python. The set no longer shows what the garbage collector is
-about to end, so it does not say which threads are open."""
+"""Threads to be closed at the end of Python. Those that the garbage collector is about to end are
+no longer in it."""
 
 
 @atexit.register

@@ -6,12 +6,14 @@ the signals or the exit of the process itself.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
+from flybench.memory import VARIABLE
 from scenarios.cli import main
 from scenarios.output import terminal
 
@@ -21,6 +23,7 @@ def exit_status(arguments: Sequence[str]) -> Any:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("prepare_streams", "claim_output"):  # pytest has its own streams
             patch.setattr(terminal, name, lambda: None)
+        patch.setenv(VARIABLE, os.environ.get(VARIABLE, ""))  # --memory-gb sets it
         patch.setattr(sys, "argv", ["flybench", *arguments])
         with pytest.raises(SystemExit) as end:
             main()

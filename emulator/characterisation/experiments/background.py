@@ -119,9 +119,9 @@ def measure(config: SensorConfig, *, seed: int) -> Section:
         "little current (estimated). The last rows and the lines “other reading” are for a sensor "
         "with that bandwidth, and with the leak per lux that follows. It is nearer to the DAVIS346 "
         "clip in the dark, and at 0.46 and 2.2 lux, where the sensor of the first rows has far too "
-        "many events. But what it gives of the motion in that clip is farther from the camera "
-        "(docs/explanation/data-sheet.md). With neither reading is there the noise of Joubert 2021 "
-        "in dim light, which takes thresholds of about half the default ones.",
+        "many events. But its events of the motion in that clip are farther from the camera's "
+        "(docs/explanation/data-sheet.md). Neither sensor has the noise of Joubert 2021 in dim "
+        "light, for which the thresholds would have to be about half the default ones.",
         _quantities(found, other),
         [_rate_plot(found, other), _cause_plot(found)],
     )

@@ -88,7 +88,7 @@ def test_what_only_the_first_round_tells_stays_at_the_start(
     rounds: list[float] = []
 
     def told_once(fit: object) -> Fit:
-        """A fit of the noise whose first round tells the leak; each begins from `started`."""
+        """Stand for the page of the noise, of which only the first round tells the leak."""
         started = fit.start.leak_hz  # type: ignore[attr-defined]
         rounds.append(started)
         leak = Parameter("leak_hz", "Hz", 0.5, None, "") if len(rounds) == 1 else None
@@ -99,5 +99,5 @@ def test_what_only_the_first_round_tells_stays_at_the_start(
     events, frames = recorded(sensor)
     recording = from_aps(events, frames, sensor.aps, name="made")
     found = calibrate(recording, start_for(sensor))
-    assert rounds == [sensor.leak_hz] * len(rounds)
+    assert rounds == [sensor.leak_hz] * 2
     assert found.sensor.leak_hz == sensor.leak_hz

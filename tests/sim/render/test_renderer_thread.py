@@ -155,11 +155,15 @@ def test_the_garbage_collector_may_end_the_context_in_the_thread_itself(
     assert FakeRenderer.threads[0] is FakeRenderer.threads[1]
 
 
-@pytest.mark.parametrize("ending", ["", "raise ValueError('of the user')", "samples.close()"])
+@pytest.mark.parametrize(
+    "ending",
+    ["", "raise ValueError('of the user')", "samples.close()", "keep_renderer(); list(samples)"],
+)
 def test_python_may_end_while_samples_are_unread(ending: str) -> None:
     program = f"""
 from sim import Crossing, CrossingConfig
-samples = Crossing(CrossingConfig(omega_rad_s=8.0)).samples()
+from sim.render.kept_renderer import keep_renderer
+samples = Crossing(CrossingConfig(omega_rad_s=8.0, step_px=8.0, supersample=1)).samples()
 next(samples)
 print("read", flush=True)
 {ending}
