@@ -12,12 +12,14 @@ import numpy.typing as npt
 
 from sim.geometry.rectangles import Rectangle
 from sim.geometry.rigid_transform import body_poses, compose_transforms
+from sim.keyframes.holes import fill_holes
 from sim.keyframes.mover_visibility import MoverRaster, wheel_bodies
 from sim.keyframes.store import Keyframe, Patch, cut_patches
 from sim.raster.scan_conversion import NO_LABEL
 from sim.render.filament import FilamentRenderer
 from sim.scene.lamp_flicker import FlickeringLamps, changed_lights, sky_lights
 from sim.scene.moving_objects import MovingObject
+from sim.shadows.beams_that_miss import beams_that_miss
 from sim.shadows.shadow_casters import shadow_casting_geoms
 
 F32 = npt.NDArray[np.float32]
@@ -70,6 +72,7 @@ class KeyframeRenderer:
         self._per_pixel = per_pixel
         self._sky = sky_lights(model)
         self._moving = np.concatenate([obj.geoms for obj in objects])
+        self._spots = np.flatnonzero(model.light_type == mujoco.mjtLightType.mjLIGHT_SPOT)
         self._static = np.setdiff1d(np.arange(model.ngeom), self._moving)
 
     def render(self, obj: MovingObject, t_us: int) -> Keyframe:
@@ -90,8 +93,9 @@ class KeyframeRenderer:
         if inner is None:
             return key
         box = self._subpixels_within(inner, rectangle)
-        albedo = self._albedo(inner, wheels)
         whole, _ = self._rasterise(projected, part, np.isin(part, rotating), inner)
+        albedo = self._albedo(inner, wheels)
+        fill_holes(albedo, whole)
         on_root = dict.fromkeys(rotating, body_views[obj.root])
         lit = self._cut(image[:, *box], label[box], on_root, inner)
         reflecting = self._cut(albedo, label[box], on_root, inner)
@@ -121,6 +125,7 @@ class KeyframeRenderer:
         image = self._luminance(obj, rectangle)
         own = self.raster.parts_of(obj)
         if np.isin(label, [NO_LABEL, *own]).all():
+            fill_holes(image, label)
             return label, image
         alone, _ = self._rasterise(projected, part, np.isin(part, own), rectangle)
         occluded = (alone != NO_LABEL) & (alone != label)
@@ -130,6 +135,7 @@ class KeyframeRenderer:
             with self._renderer.hidden(self._moving_geoms_except(obj.bodies)):
                 revealed = self._luminance(obj, inner)
             image[:, *box] = np.where(occluded[box], revealed, image[:, *box])
+        fill_holes(image, alone)
         return alone, image
 
     def _rectangle_around(self, marked: Bools, rectangle: Rectangle) -> Rectangle:
@@ -168,12 +174,17 @@ class KeyframeRenderer:
     def _luminance(self, obj: MovingObject, rectangle: Rectangle) -> F32:
         """Return (layers, rows, columns) luminance: the steady layer, and that of flickering lamps.
 
-        Of the static geoms, only those that may shade the object are rendered.
+        Of the static geoms, only those that may shade the object are rendered; of the spot lights,
+        only those that may light it are on.
         """
-        casters = shadow_casting_geoms(
-            self._model, self._data, self._static, obj.corners_m(self._data)
-        )
-        with self._renderer.hidden(np.setdiff1d(self._static, casters)):
+        model, data = self._model, self._data
+        casters = shadow_casting_geoms(model, data, self._static, obj.corners_m(data))
+        triangles_m = self.raster.movers.of_bodies(obj.bodies).transformed(body_poses(data))
+        missing = beams_that_miss(model, data, self._spots, triangles_m)
+        with (
+            self._renderer.hidden(np.setdiff1d(self._static, casters)),
+            changed_lights(model, dict.fromkeys(missing.tolist(), 0.0)),
+        ):
             image = self._render_subpixels(rectangle)
             if self._flickering is None:
                 return image[None]
@@ -195,8 +206,9 @@ class KeyframeRenderer:
 
     def _render_subpixels(self, rectangle: Rectangle, *, shadows: bool = True) -> F32:
         self._renderer.update(self._data)
+        pose, size = self.raster.pose, self.raster.supersample
         return self._renderer.subpixel_luminance(
-            self.raster.pose, rectangle, self.raster.supersample, shadows=shadows
+            pose, rectangle, size, shadows=shadows, skybox=False
         )
 
 

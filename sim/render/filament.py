@@ -150,7 +150,13 @@ class FilamentRenderer:
         return np.ascontiguousarray(inner)
 
     def subpixel_luminance(
-        self, pose: Pose, rectangle: Rectangle, supersample: int, *, shadows: bool = True
+        self,
+        pose: Pose,
+        rectangle: Rectangle,
+        supersample: int,
+        *,
+        shadows: bool = True,
+        skybox: bool = True,
     ) -> Luminance:
         """Render the luminance on the sub-pixel grid of a rectangle of the image, unfiltered.
 
@@ -159,12 +165,13 @@ class FilamentRenderer:
             rectangle: pixels to render.
             supersample: grid points per pixel and axis.
             shadows: True to render shadows.
+            skybox: True to show the sky where nothing else is; otherwise it is 0 there.
 
         Returns:
             ((y1 - y0) · supersample, (x1 - x0) · supersample) float32 [cd/m²].
         """
         grey = mjrf.PixelFormat.PIXEL_FORMAT_R32F
-        exposed = self._render(pose, rectangle, supersample, grey, shadows=shadows)
+        exposed = self._render(pose, rectangle, supersample, grey, shadows=shadows, skybox=skybox)
         return np.asarray(exposed / np.float32(EXPOSURE), np.float32)
 
     @contextmanager

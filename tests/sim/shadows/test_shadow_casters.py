@@ -23,6 +23,8 @@ WORLD = """
     <geom name="before the lamp" size=".5" pos="0 5 2"/>
     <geom name="behind the lamp" size=".5" pos="0 12 1"/>
     <geom name="beside" size=".5" pos="5 5 1"/>
+    <geom name="long beside" type="box" size="4 .1 4" pos="5.5 6 1"/>
+    <geom name="long across" type="box" size="4 .1 4" pos="4.5 6 1"/>
     <geom name="before a lamp without shadows" size=".5" pos="0 -5 1"/>
     <geom name="without a shadow" size=".5" pos="-10 0 10" castshadow="false"/>
     <geom name="wall" type="plane" size="0 0 1" pos="0 -20 0" euler="90 0 0"/>
@@ -36,7 +38,7 @@ BOX = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 2.0]])
     ("sun", "lamp", "wanted"),
     [
         (1, 0, {"towards the sun", "wall"}),
-        (0, 1, {"before the lamp", "wall"}),
+        (0, 1, {"before the lamp", "long across", "wall"}),
         (0, 0, {"wall"}),
     ],
 )
