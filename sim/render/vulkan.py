@@ -17,9 +17,10 @@ from sim.errors import RendererError
 INSTALL_COMMAND = "apt-get install -y libvulkan1 mesa-vulkan-drivers"
 VECTOR_WIDTH = "LP_NATIVE_VECTOR_WIDTH"
 """Environment variable that sets the width of the software renderer's vectors [bit]."""
-MIN_VECTOR_WIDTH = 256
-"""Narrowest vectors that work. With 0, 64 and 128, Mesa 22.3.6 corrupts memory as soon as there are
-shadows, also in a program that uses nothing but MuJoCo; 256 and 512 work (measured)."""
+WORKING_VECTOR_WIDTH = 256
+"""The width that works; it is Mesa's default. With 0, 64 and 128, Mesa 22.3.6 corrupts memory as
+soon as there are shadows, also in a program that uses nothing but MuJoCo. With 512, it crashes at
+the first image on a processor with AVX-512 (measured)."""
 _TYPE_CPU = 4  # VK_PHYSICAL_DEVICE_TYPE_CPU
 _VULKAN_1_1 = 1 << 22 | 1 << 12
 
@@ -145,14 +146,14 @@ def vector_width_problem() -> str | None:
     """Return what is wrong with `LP_NATIVE_VECTOR_WIDTH` and what to do; None: nothing is."""
     value = os.environ.get(VECTOR_WIDTH, "")
     try:
-        narrow = int(value, 0) < MIN_VECTOR_WIDTH
+        works = int(value, 0) == WORKING_VECTOR_WIDTH
     except ValueError:  # Mesa ignores what is not a number
         return None
-    if not narrow:
+    if works:
         return None
     return (
-        f"{VECTOR_WIDTH} is {value}, with which Mesa's software renderer corrupts memory and ends "
-        f"the program. Allowed is {MIN_VECTOR_WIDTH} or more. Unset the variable."
+        f"{VECTOR_WIDTH} is {value}, with which Mesa's software renderer can crash the program. "
+        f"Allowed is {WORKING_VECTOR_WIDTH}. Unset the variable."
     )
 
 

@@ -13,17 +13,15 @@ def devices(monkeypatch: pytest.MonkeyPatch, *, software: bool) -> None:
     monkeypatch.setattr("sim.render.vulkan.vulkan_devices", lambda: [device])
 
 
-@pytest.mark.parametrize("width", ["0", "64", "128", "0x80", "-1"])
-def test_vectors_that_corrupt_memory_are_refused(
-    monkeypatch: pytest.MonkeyPatch, width: str
-) -> None:
+@pytest.mark.parametrize("width", ["0", "64", "128", "0x80", "-1", "512"])
+def test_vectors_that_crash_are_refused(monkeypatch: pytest.MonkeyPatch, width: str) -> None:
     devices(monkeypatch, software=True)
     monkeypatch.setenv(VECTOR_WIDTH, width)
-    with pytest.raises(RendererError, match=f"{VECTOR_WIDTH} is {width}.*256 or more"):
+    with pytest.raises(RendererError, match=f"{VECTOR_WIDTH} is {width}.*Allowed is 256"):
         require_vulkan()
 
 
-@pytest.mark.parametrize("width", ["256", "512", "", "wide"])
+@pytest.mark.parametrize("width", ["256", "0x100", "", "wide"])
 def test_other_values_are_allowed(monkeypatch: pytest.MonkeyPatch, width: str) -> None:
     devices(monkeypatch, software=True)
     monkeypatch.setenv(VECTOR_WIDTH, width)
