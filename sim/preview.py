@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import math
 import struct
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -14,10 +15,19 @@ import numpy.typing as npt
 
 from sim.cache.key import luminance_key
 from sim.crossing import Crossing
+from sim.geometry.rectangles import (
+    Rectangle,
+    enclosing_rectangle,
+    image_rectangle,
+    rectangle_of_points,
+)
 from sim.render.filament import FilamentRenderer
 from sim.scene.facade_style import LIT_WINDOW
 from sim.scene.lighting import SKY_TEXTURE
 from sim.scene.scene import Scene
+from sim.shadows.shadows_and_beams import AffectedAreaFinder
+
+Image = npt.NDArray[np.uint8]
 
 PREVIEW_LUX = 60_000.0
 """Illuminance for which the preview is exposed [lux] (chosen by eye)."""
@@ -32,7 +42,10 @@ _LENGTH = struct.Struct("<I")
 
 
 class Preview:
-    """Renders a crossing in colour, exposed for its illuminance. Use as a context manager."""
+    """Renders a crossing in colour, exposed for its illuminance. Use as a context manager.
+
+    After the first image, only the area is rendered in which something has moved.
+    """
 
     def __init__(self, crossing: Crossing) -> None:
         """Set up a separate renderer for the colour model.
@@ -43,10 +56,16 @@ class Preview:
         Raises:
             RendererError: this machine cannot render.
         """
-        self._crossing = crossing
+        self._crossing, self._scene = crossing, crossing.scene
         model = preview_model(crossing.scene)
         self._data = mujoco.MjData(model)
+        self._scene.place(self._data, 0.0)
+        self._areas = AffectedAreaFinder(
+            model, self._data, self._scene.objects, self._scene.pose, crossing.intrinsics
+        )
         self._renderer = FilamentRenderer(model, crossing.intrinsics)
+        self._image: Image = np.empty((0, 0, 3), np.uint8)
+        self._moving: list[Rectangle] = []
 
     def __enter__(self) -> Preview:
         return self
@@ -54,7 +73,7 @@ class Preview:
     def __exit__(self, *_: object) -> None:
         self._renderer.close()
 
-    def render(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> npt.NDArray[np.uint8]:
+    def render(self, t_us: int, *, scale: float = PREVIEW_SCALE) -> Image:
         """Render the street at one time.
 
         Args:
@@ -64,10 +83,31 @@ class Preview:
         Returns:
             (height·scale, width·scale, 3) uint8 sRGB.
         """
-        scene, t_s = self._crossing.scene, self._crossing.seconds(t_us)
-        scene.place(self._data, t_s)
-        self._renderer.update(self._data)
-        return self._renderer.preview(scene.pose_at(t_s), scale=scale)
+        t_s, lens = self._crossing.seconds(t_us), self._crossing.intrinsics
+        self._scene.place(self._data, t_s)
+        height, width = round(lens.height * scale), round(lens.width * scale)
+        before, self._moving = self._moving, self._moving_areas()
+        changed = enclosing_rectangle(before + self._moving)
+        if self._scene.shake or self._image.shape[:2] != (height, width):
+            self._image = np.empty((height, width, 3), np.uint8)
+            changed = image_rectangle(lens)
+        x0, y0 = (math.floor(edge * scale) for edge in changed[:2])
+        x1, y1 = (
+            min(math.ceil(changed[2] * scale), width),
+            min(math.ceil(changed[3] * scale), height),
+        )
+        if x0 < x1:
+            self._renderer.update(self._data)
+            pose = self._scene.pose_at(t_s)
+            self._image[y0:y1, x0:x1] = self._renderer.preview(pose, (x0, y0, x1, y1), scale)
+        return self._image.copy()
+
+    def _moving_areas(self) -> list[Rectangle]:
+        """Return the rectangles of the moving objects, their shadows and beams."""
+        scene, lens = self._scene, self._crossing.intrinsics
+        corners = (obj.corners_m(self._data) for obj in scene.objects)
+        seen = (rectangle_of_points(points, scene.pose, lens) for points in corners)
+        return [area for area in seen if area] + self._areas.find(self._data).rectangles
 
 
 def preview_model(scene: Scene) -> mujoco.MjModel:

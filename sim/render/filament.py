@@ -44,6 +44,8 @@ _BYTES_PER_PX = 100
 [bytes]."""
 
 Luminance = npt.NDArray[np.float32]
+Span = tuple[float, float, float, float]
+"""x0, y0, x1, y1 of a rectangle of the image, not necessarily of whole pixels [px]."""
 
 
 def rendering_bytes(intrinsics: Intrinsics, supersample: int) -> int:
@@ -210,12 +212,21 @@ class FilamentRenderer:
         ).astype(np.int32)
         return rgb[..., 0] + 256 * rgb[..., 1] + 65536 * rgb[..., 2] - 1
 
-    def preview(self, pose: Pose, *, scale: float = 2) -> npt.NDArray[np.uint8]:
-        """Render a tone-mapped colour image: (height·scale, width·scale, 3) uint8 sRGB."""
+    def preview(self, pose: Pose, area: Rectangle, scale: float) -> npt.NDArray[np.uint8]:
+        """Render an area of a tone-mapped colour image.
+
+        Args:
+            pose: pose of the camera.
+            area: x0, y0, x1, y1 of the area [px of the colour image].
+            scale: pixels of the colour image per sensor pixel and axis.
+
+        Returns:
+            (y1 - y0, x1 - x0, 3) uint8 sRGB.
+        """
+        x0, y0, x1, y1 = area
+        rectangle = x0 / scale, y0 / scale, x1 / scale, y1 / scale
         rgb = mjrf.PixelFormat.PIXEL_FORMAT_RGB8
-        return self._render(
-            pose, image_rectangle(self.intrinsics), scale, rgb, post_processing=True
-        )
+        return self._render(pose, rectangle, scale, rgb, post_processing=True)
 
     def _with_blur_margin(self, rectangle: Rectangle) -> Rectangle:
         m, i = BLUR_REACH_PX, self.intrinsics
@@ -223,7 +234,7 @@ class FilamentRenderer:
         return max(x0 - m, 0), max(y0 - m, 0), min(x1 + m, i.width), min(y1 + m, i.height)
 
     def _render(
-        self, pose: Pose, rectangle: Rectangle, scale: float, pixel_format: Any, **options: Any
+        self, pose: Pose, rectangle: Span, scale: float, pixel_format: Any, **options: Any
     ) -> npt.NDArray[Any]:
         height = round((rectangle[3] - rectangle[1]) * scale)
         width = round((rectangle[2] - rectangle[0]) * scale)
@@ -256,15 +267,19 @@ class FilamentRenderer:
         return self._targets[key]
 
     def _request(
-        self, pose: Pose, rectangle: Rectangle, scale: float, target: Any, **options: Any
+        self, pose: Pose, rectangle: Span, scale: float, target: Any, **options: Any
     ) -> Any:
         request = mjrf.RenderRequest()
         request.scene, request.target = self._scene, target
-        request.camera = _frustum(pose, self.intrinsics)
-        request.viewport.left = round(-rectangle[0] * scale)
-        request.viewport.bottom = round((rectangle[3] - self.intrinsics.height) * scale)
-        request.viewport.width = round(self.intrinsics.width * scale)
-        request.viewport.height = round(self.intrinsics.height * scale)
+        image = image_rectangle(self.intrinsics)
+        # A viewport beyond the target keeps the bits of the whole image. Post-processing needs one
+        # that is the target.
+        seen = rectangle if options.get("post_processing") else image
+        request.camera = _frustum(pose, self.intrinsics, seen)
+        request.viewport.left = round((seen[0] - rectangle[0]) * scale)
+        request.viewport.bottom = round((rectangle[3] - seen[3]) * scale)
+        request.viewport.width = round((seen[2] - seen[0]) * scale)
+        request.viewport.height = round((seen[3] - seen[1]) * scale)
         request.post_processing = False
         request.haze = request.reflections = request.headlight = False
         for name, value in options.items():
@@ -285,17 +300,19 @@ def _context_config(software: bool) -> Any:
     return mjrf.ContextConfig(graphics_api=api, software_rendering=software)
 
 
-def _frustum(pose: Pose, intrinsics: Intrinsics) -> Any:
+def _frustum(pose: Pose, intrinsics: Intrinsics, rectangle: Span) -> Any:
+    """Return the camera that sees a rectangle of the image."""
     focal_x, focal_y = intrinsics.focal_px, intrinsics.focal_px * intrinsics.aspect
-    above = intrinsics.centre_px[1]
+    x0, y0, x1, y1 = rectangle
+    above, middle = intrinsics.centre_px[1], (x0 + x1) / 2 - intrinsics.width / 2
     return mjrf.Camera(
         pos=pose.position_m.astype(np.float32),
         forward=pose.forward.astype(np.float32),
         up=pose.up.astype(np.float32),
-        frustum_bottom=NEAR_M * (above - intrinsics.height) / focal_y,
-        frustum_top=NEAR_M * above / focal_y,
-        frustum_center=-NEAR_M * intrinsics.axis_px[0] / focal_x,
+        frustum_bottom=NEAR_M * (above - y1) / focal_y,
+        frustum_top=NEAR_M * (above - y0) / focal_y,
+        frustum_center=NEAR_M * (middle - intrinsics.axis_px[0]) / focal_x,
         frustum_near=NEAR_M,
         frustum_far=FAR_M,
-        frustum_width=NEAR_M * intrinsics.width / 2 / focal_x,
+        frustum_width=NEAR_M * (x1 - x0) / 2 / focal_x,
     )
