@@ -24,16 +24,14 @@ class Lighting(StrEnum):
 class Quality(StrEnum):
     """How finely a crossing is rendered."""
 
-    FULL = "full"
     DRAFT = "draft"
+    FULL = "full"
+    FINE = "fine"
 
 
 DRAFT_STEP, DRAFT_KEYFRAME = 1.6, 2.0
-"""Factors of `step_px` and `keyframe_px` in a draft, which has a cubic between samples. Of the
-events of 8 px of the default crossing, 86 instead of 94 % match a reference within 0.2 ms by day,
-and 77 instead of 89 % at night; the median difference is 69 instead of 35 µs by day, and 89 instead
-of 46 µs at night (measured; reference: a step of 0.1 px). The share is the smaller of recall and
-precision."""
+"""Factors of `step_px` and `keyframe_px` in a draft. `python -m tools.convergence_table` measures
+what they cost."""
 
 DEFAULT_DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
 """Default distances [m]. At these, 30, 40, 50 and 60 km/h give the paper's angular velocities by
@@ -83,9 +81,9 @@ class CrossingConfig:
         supersample: rendered sub-pixels per sensor pixel along each axis; see `flybench converge`.
         keyframe_px: distance that an object moves in the image from one keyframe to the next [px];
             see `flybench converge`.
-        quality: full, or a draft: its samples are 1.6 times and its keyframes twice as far apart as
-            `step_px` and `keyframe_px` say, and `Crossing.samples` adds a sample half way between
-            two, by a cubic.
+        quality: draft, full or fine. In a draft, samples are 1.6 times and keyframes twice as far
+            apart as `step_px` and `keyframe_px` say. In a draft and in fine quality,
+            `Crossing.samples` adds a sample half way between two; see `sim.keyframes.midpoints`.
     """
 
     lighting: Lighting = Lighting.DAY
@@ -139,19 +137,19 @@ class CrossingConfig:
         return DEFAULT_ILLUMINANCE_LUX[self.lighting] if given is None else given
 
     @property
-    def is_draft(self) -> bool:
-        """True if `quality` is a draft."""
-        return self.quality is Quality.DRAFT
+    def has_midpoints(self) -> bool:
+        """True if `quality` asks for samples between those that are rendered."""
+        return self.quality is not Quality.FULL
 
     @property
     def drawn_step_px(self) -> float:
         """Largest distance that a point may move between two samples that are rendered [px]."""
-        return self.step_px * (DRAFT_STEP if self.is_draft else 1.0)
+        return self.step_px * (DRAFT_STEP if self.quality is Quality.DRAFT else 1.0)
 
     @property
     def drawn_keyframe_px(self) -> float:
         """Distance that an object moves from one rendered keyframe to the next [px]."""
-        return self.keyframe_px * (DRAFT_KEYFRAME if self.is_draft else 1.0)
+        return self.keyframe_px * (DRAFT_KEYFRAME if self.quality is Quality.DRAFT else 1.0)
 
     def resolved(self) -> dict[str, Any]:
         """Return every field by name, with defaults in place of None."""

@@ -142,8 +142,8 @@ class Crossing:
         """Render the sequence from keyframes; see `sim.keyframes.reprojection`.
 
         Args:
-            times_us: strictly increasing sample times [µs]; None: `times_us()`, in a draft with
-                samples half way between them, see `sim.keyframes.midpoints`.
+            times_us: strictly increasing sample times [µs]; None: `times_us()`, in draft and fine
+                quality with samples half way between them, see `sim.keyframes.midpoints`.
 
         Yields:
             Samples in order of time. Each owns its arrays.
@@ -161,7 +161,7 @@ class Crossing:
             )
         probe = TruthProbe(self.scene, self.intrinsics)
         frames = self._cached_luminance(times)
-        if times_us is None and self.config.is_draft:
+        if times_us is None and self.config.has_midpoints:
             frames = with_midpoints(frames)
         for frame in frames:
             truth = probe.measure(frame.t_us, self.seconds(frame.t_us), frame.body)

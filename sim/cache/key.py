@@ -39,7 +39,10 @@ def luminance_key(
     Returns:
         64 hexadecimal digits.
     """
-    digest = _digest({"config": config.resolved(), "lens": asdict(lens)})
+    rendered = config.resolved()
+    del rendered["quality"]  # samples in between are not rendered
+    rendered |= {"step_px": config.drawn_step_px, "keyframe_px": config.drawn_keyframe_px}
+    digest = _digest({"config": rendered, "lens": asdict(lens)})
     digest.update(np.array(times_us, np.int64).tobytes())
     digest.update(_bytes(model))
     return digest.hexdigest()

@@ -1,8 +1,9 @@
-"""Samples half way between rendered ones, by a cubic in time.
+"""Samples half way between rendered ones, by a cubic in time of the logarithm of luminance.
 
-The sensor takes luminance to change linearly between two samples. A cubic follows a moving edge
-more closely: with a step of 0.5 px, the median error of an event's time falls from 35 to 16 µs by
-day, and from 46 to 26 µs at night (measured on 8 px of the default crossing).
+The sensor takes the logarithm of luminance to change linearly between two samples. A cubic follows
+a moving edge more closely. A cubic of luminance itself does so, too, but it overshoots where light
+changes by factors: at dusk and at night it adds up to 7 % of events that do not exist (measured in
+the combinations of `python -m tools.convergence_table`).
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from flybench.kernels import compiled
 from sim.cache.luminance_file import LuminanceSample
 from sim.geometry.rectangles import Rectangle, enclosing_rectangle
 
@@ -22,6 +22,9 @@ F32 = npt.NDArray[np.float32]
 MAX_UNEVENNESS = 0.1
 """How much longer than the shortest the longest of three intervals may be, relative to it, so that
 they count as equal (assumed)."""
+DARKEST_CD_M2 = np.float32(1e-6)
+"""Lower luminance counts as this, because 0 has no logarithm (assumed: a hundredth of the darkest
+night sky) [cd/m²]."""
 
 
 def with_midpoints(
@@ -29,8 +32,8 @@ def with_midpoints(
 ) -> Generator[LuminanceSample, None, None]:
     """Yield samples, and one half way between two where their neighbours are as far apart.
 
-    It shows the bodies of the sample before it. Its luminance is the Catmull-Rom cubic through the
-    two samples before it and the two after it, (−a + 9 b + 9 c − d) / 16.
+    It shows the bodies of the sample before it. The logarithm of its luminance is the Catmull-Rom
+    cubic through the two samples before it and the two after it, (−a + 9 b + 9 c − d) / 16.
 
     Args:
         samples: samples in order of time.
@@ -68,20 +71,15 @@ def _is_area(rectangle: Rectangle) -> bool:
     return rectangle[0] < rectangle[2] and rectangle[1] < rectangle[3]
 
 
-@compiled
 def _interpolate(a: F32, b: F32, c: F32, d: F32, rectangle: Rectangle, out: F32) -> None:
-    """Set `out`, which is equal to b, half way from b to c in a rectangle; see `with_midpoints`.
+    """Set `out` half way from b to c in a rectangle; see `with_midpoints`.
 
-    Where the cubic undershoots, half of the smaller luminance is taken.
+    What stands still remains exactly constant.
     """
     x0, y0, x1, y1 = rectangle
-    nine, half = np.float32(9.0), np.float32(0.5)
-    for row in range(y0, y1):
-        i = np.uintp(row)
-        for column in range(x0, x1):
-            j = np.uintp(column)
-            before, after = b[i, j], c[i, j]
-            if a[i, j] == before and before == after and after == d[i, j]:
-                continue  # `out` has it: what stands still is exactly constant
-            cubic = (nine * (before + after) - a[i, j] - d[i, j]) / np.float32(16.0)
-            out[i, j] = max(cubic, half * min(before, after))
+    area = slice(y0, y1), slice(x0, x1)
+    before, after = b[area], c[area]
+    log_a, log_b, log_c, log_d = (np.log(np.maximum(x[area], DARKEST_CD_M2)) for x in (a, b, c, d))
+    between = np.exp((9 * (log_b + log_c) - log_a - log_d) / 16)
+    still = (a[area] == before) & (before == after) & (after == d[area])
+    out[area] = np.where(still, before, between)

@@ -1,15 +1,17 @@
 """Samples half way between others: a cubic, and where it applies."""
 
 import itertools
+import math
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from sim import Crossing, CrossingConfig
+from sim import Crossing, CrossingConfig, LuminanceCache
 from sim.cache.luminance_file import LuminanceSample
 from sim.geometry.rectangles import Rectangle
-from sim.keyframes.midpoints import with_midpoints
+from sim.keyframes.midpoints import DARKEST_CD_M2, with_midpoints
 
 WHOLE = (0, 0, 3, 2)
 F32 = npt.NDArray[np.float32]
@@ -23,9 +25,9 @@ def sample(t_us: int, level: float, changed: Rectangle = WHOLE) -> LuminanceSamp
 
 
 def course(t_us: float) -> float:
-    """Return a luminance that is a parabola in time."""
+    """Return a luminance whose logarithm is a parabola in time."""
     x = t_us / 1000
-    return 9 + 0.3 * x - 0.2 * x**2
+    return math.exp(2 + 0.3 * x - 0.2 * x**2)
 
 
 def test_a_parabola_is_met_exactly() -> None:
@@ -38,10 +40,20 @@ def test_a_parabola_is_met_exactly() -> None:
         assert (s.body == s.t_us // 1000 * 1000).all()
 
 
-def test_luminance_stays_above_half_of_its_neighbours() -> None:
-    levels = [1000.0, 4.0, 2.0, 1000.0]
+def test_an_edge_between_light_and_dark_overshoots_by_little() -> None:
+    """A cubic of luminance would be −61 cd/m² where the edge ends."""
+    levels = [1000.0, 1000.0, 1000.0, 1.0, 1.0, 1.0]
     found = list(with_midpoints(sample(1000 * k, level) for k, level in enumerate(levels)))
-    assert [s.luminance[0, 1] for s in found] == [1000, 4, 1, 2, 1000]
+    before, edge, after = (s.luminance[0, 1] for s in found if s.t_us % 1000)
+    assert before == pytest.approx(1000 ** (17 / 16))
+    assert edge == pytest.approx(math.sqrt(1000))
+    assert after == pytest.approx(1000 ** (-1 / 16))
+
+
+def test_darkness_is_a_finite_level() -> None:
+    found = list(with_midpoints(sample(1000 * k, level) for k, level in enumerate([0, 0, 9, 9])))
+    assert found[2].luminance[0, 1] == pytest.approx(math.sqrt(9 * DARKEST_CD_M2))
+    assert (found[2].luminance[:, 0] == 7).all()
 
 
 @pytest.mark.parametrize("count", range(4))
@@ -77,10 +89,12 @@ def test_the_changed_rectangle_holds_every_change() -> None:
         assert same.all()
 
 
+OPTIONS = {"step_px": 5.0, "supersample": 1, "max_step_ms": 20.0, "omega_rad_s": 3.0}
+
+
 def test_a_draft_renders_less_and_has_samples_in_between() -> None:
-    options = {"step_px": 5.0, "supersample": 1, "max_step_ms": 20.0, "omega_rad_s": 3.0}
-    full = Crossing(CrossingConfig(**options))  # type: ignore[arg-type]
-    draft = Crossing(CrossingConfig(quality="draft", **options))  # type: ignore[arg-type]
+    full = Crossing(CrossingConfig(**OPTIONS))  # type: ignore[arg-type]
+    draft = Crossing(CrossingConfig(quality="draft", **OPTIONS))  # type: ignore[arg-type]
     drawn = draft.times_us()
     assert len(drawn) < 0.8 * len(full.times_us())
     times = [s.t_us for s in draft.samples()]
@@ -88,3 +102,17 @@ def test_a_draft_renders_less_and_has_samples_in_between() -> None:
     assert len(times) > 1.5 * len(drawn)
     assert times == sorted(times)
     assert [s.t_us for s in draft.samples(drawn[:5])] == drawn[:5]
+
+
+def test_fine_quality_adds_samples_to_those_in_the_cache(tmp_path: Path) -> None:
+    cache = LuminanceCache(tmp_path)
+    full = Crossing(CrossingConfig(**OPTIONS), cache=cache)  # type: ignore[arg-type]
+    rendered = {s.t_us: s.luminance for s in full.samples()}
+    count = cache.rendered
+    fine = Crossing(CrossingConfig(quality="fine", **OPTIONS), cache=cache)  # type: ignore[arg-type]
+    samples = {s.t_us: s for s in fine.samples()}
+    assert cache.rendered == count
+    assert set(rendered) < set(samples)
+    assert len(samples) > 1.5 * len(rendered)
+    for t_us, luminance in rendered.items():
+        np.testing.assert_array_equal(samples[t_us].luminance, luminance)
