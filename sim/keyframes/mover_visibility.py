@@ -15,13 +15,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle, rectangle_around
+from sim.geometry.pinhole import NEAR_M, Intrinsics, Pose, Projection
+from sim.geometry.rectangles import Rectangle, joint_rectangles, rectangle_around
 from sim.geometry.rigid_transform import compose_transforms
-from sim.raster.scan_conversion import NO_LABEL, label_bounds, rasterise, transform_points
+from sim.raster.scan_conversion import NO_LABEL, label_bounds, rasterise
 from sim.raster.shared_corners import (
     SharedCorners,
-    project_faces,
+    project_bodies,
     share_corners,
 )
 from sim.raster.triangles import TriangleSoup
@@ -31,6 +31,7 @@ from sim.scene.moving_objects import MovingObject
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
+I64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,14 +102,10 @@ class MoverRaster:
         Returns:
             (n, 3, 3) triangles on the sub-pixel grid; and (n,) the part of each.
         """
-        shared, size = self._shared, self.supersample
+        size, lens = self.supersample, self.lens
         views = compose_transforms(poses, self.pose.world_to_camera)
-        in_camera = transform_points(shared.corners_m, shared.body, views)
-        centre = self.lens.width * size / 2, self.lens.height * size / 2
-        projected, source = project_faces(
-            in_camera, shared.faces, self.lens.focal_px * size, *centre, NEAR_M
-        )
-        return projected, self._part_of_triangle[source]
+        grid = Projection(lens.focal_px * size, lens.width * size / 2, lens.height * size / 2)
+        return project_bodies(self._shared, self._part_of_triangle, views, grid, NEAR_M)
 
     @cached_property
     def _shared(self) -> SharedCorners:
@@ -139,8 +136,20 @@ class MoverRaster:
             part: part of each triangle.
             objects: the objects.
         """
+        if objects not in self._object_of_part:
+            owner = np.full(len(self.parts), -1)
+            for k, obj in enumerate(objects):
+                owner[self.parts_of(obj)] = k
+            self._object_of_part[objects] = owner
+        lens, owner = self.lens, self._object_of_part[objects]
         bounds = self.bounds_px(projected, part)
-        return [self.rectangle_of(bounds[self.parts_of(obj)]) for obj in objects]
+        found = joint_rectangles(bounds, owner, len(objects), lens.width, lens.height).tolist()
+        return [(x0, y0, x1, y1) if x1 else None for x0, y0, x1, y1 in found]
+
+    @cached_property
+    def _object_of_part(self) -> dict[tuple[MovingObject, ...], I64]:
+        """Number of the object that each part belongs to, -1 for none, for tuples of objects."""
+        return {}
 
     def bounds_px(self, projected: F64, part: I32) -> F64:
         """Return the bounding box of each part [px].

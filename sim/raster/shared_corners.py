@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled, inlined
-from sim.raster.scan_conversion import clip_triangle
+from sim.geometry.pinhole import Projection
+from sim.raster.scan_conversion import clip_triangle, transform_points
 from sim.raster.triangles import TriangleSoup
 
 F64 = npt.NDArray[np.float64]
 I32 = npt.NDArray[np.int32]
 
 
-@dataclass(frozen=True, eq=False)
-class SharedCorners:
+class SharedCorners(NamedTuple):
     """The corners of a triangle soup, each once.
 
     Attributes:
@@ -39,6 +39,28 @@ def share_corners(soup: TriangleSoup) -> SharedCorners:
         unique[:, 3].astype(np.int32),
         faces.reshape(-1, 3).astype(np.int32),
     )
+
+
+@compiled
+def project_bodies(
+    shared: SharedCorners, labels: I32, views: F64, projection: Projection, near: float
+) -> tuple[F64, I32]:
+    """Move the triangles of bodies, and project those that face the camera.
+
+    Args:
+        shared: corners of the triangles.
+        labels: (m,) label of each triangle.
+        views: (bodies, 3, 4) transform from each body's frame to the camera's.
+        projection: projection of the camera onto the grid [grid points].
+        near: distance of the near plane [m].
+
+    Returns:
+        Triangles as from `project_faces`, and the label of each.
+    """
+    in_camera = transform_points(shared.corners_m, shared.body, views)
+    focal, centre_x, centre_y = projection
+    projected, source = project_faces(in_camera, shared.faces, focal, centre_x, centre_y, near)
+    return projected, labels[source]
 
 
 @compiled

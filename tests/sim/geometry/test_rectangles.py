@@ -7,9 +7,11 @@ import pytest
 from sim.geometry.pinhole import Intrinsics, Pose
 from sim.geometry.rectangles import (
     MARGIN_PX,
+    NOWHERE,
     Rectangle,
     enclosing_rectangle,
     image_rectangle,
+    joint_rectangles,
     merge_overlapping,
     rectangle_around,
     rectangle_of_points,
@@ -37,6 +39,19 @@ def test_points_on_both_sides_of_the_camera_fill_the_image() -> None:
         LENS
     )
     assert rectangle_of_points(behind, POSE, LENS) is None
+
+
+def test_joint_rectangles_hold_the_boxes_of_their_group() -> None:
+    m, inf = MARGIN_PX, np.inf
+    bounds = np.array(
+        [[10.2, 20.0, 12.0, 21.0], [400.0, 5.0, 500.0, 9.0], [30.0, 5.5, 40.5, 9.0], [inf] * 4]
+    )
+    bounds[3, 2:] = -inf
+    group = np.array([0, 1, 0, 2])
+    found = joint_rectangles(bounds, group, 4, LENS.width, LENS.height).tolist()
+    assert found == [[10 - m, 5 - m, 41 + m, 21 + m], *[list(NOWHERE)] * 3]
+    alone = joint_rectangles(bounds, np.array([-1, -1, 0, -1]), 1, LENS.width, LENS.height)
+    assert alone.tolist() == [[30 - m, 5 - m, 41 + m, 9 + m]]
 
 
 def random_rectangles(count: int, seed: int) -> list[Rectangle]:
