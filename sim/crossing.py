@@ -292,9 +292,10 @@ class Crossing:
         t_s = self.seconds(t_us)
         self.scene.place(self._data, t_s)
         reach = self._reach.find(self._data)
-        in_view = {obj.name for _, obj, _ in reach.shadows}
+        objects = zip(self.scene.objects, reach.shadows, strict=True)
+        in_view = {obj.name for obj, areas in objects if areas.any()}
         in_view |= {o.name for o in self.scene.objects if self._in_view(o.corners_m(self._data))}
-        with_beams = {o.name for o in self.scene.objects if o.lamps.size} if reach.beams else set()
+        with_beams = {o.name for o in self.scene.objects if o.lamps.size and len(reach.beams)}
         focal_px = self.intrinsics.focal_px
         edges_px_s = self.scene.fastest_px_s(t_s, focal_px, in_view)
         beams_px_s = self.scene.fastest_px_s(t_s, focal_px, with_beams)

@@ -38,6 +38,7 @@ from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.renderings import Renderings
 from sim.keyframes.rotation_warp import SHAKE_SCALE, rotated_image
 from sim.keyframes.store import KeyframeStore
+from sim.motion.computed_ahead import ComputedAhead
 from sim.raster.aperture import (
     LENS_BLUR_PX,
 )
@@ -47,7 +48,7 @@ from sim.render.filament import Luminance
 from sim.render.renderer_thread import RendererThread
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene
-from sim.shadows.shadows_and_beams import AffectedAreaFinder, ShadowBeamRenderer
+from sim.shadows.shadows_and_beams import AffectedAreaFinder, AffectedAreas, ShadowBeamRenderer
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -152,15 +153,15 @@ class Reprojection:
             self._static, body_poses(self._data), self._pose, self._wide
         ).body
         self._canvas = blank_canvas(self._background)
+        self._moments = ComputedAhead(self._moment, times_us)
         self._drawn: list[Rectangle] = []
         self._lit: list[Rectangle] = [image_rectangle(self._wide)]
 
     def render(self, t_us: int) -> RenderedSample:
         """Render the sample at a time [µs]; times must not decrease."""
         self._keyframes.advance(t_us)
-        self._place(t_us)
-        poses = body_poses(self._data)
-        sample = self._steady_sample(t_us, poses)
+        poses, affected = self._moments.at(t_us)
+        sample = self._steady_sample(t_us, poses, affected)
         if self._scene.shake is None:
             return sample
         pose = self._scene.pose_at(self._seconds(t_us))
@@ -169,7 +170,7 @@ class Reprojection:
         body = visibility_map(self._movers, poses, pose, self._lens, visible).body
         return RenderedSample(luminance, body, [image_rectangle(self._lens)])
 
-    def _steady_sample(self, t_us: int, poses: F64) -> RenderedSample:
+    def _steady_sample(self, t_us: int, poses: F64, affected: AffectedAreas) -> RenderedSample:
         """Return what the steady camera sees."""
         canvas, body = self._canvas, self._static_body.copy()
         flicker = self._scene.flicker_factor(self._seconds(t_us))
@@ -181,7 +182,6 @@ class Reprojection:
             canvas.image[:] = np.tensordot(
                 gains.astype(np.float32), self._background.pixels, axes=1
             )
-        affected = self._areas.find(self._data)
         self._draw_outlines(poses, body)
         self._lit = rectangles = merge_overlapping(self._drawn + affected.rectangles)
         for x0, y0, x1, y1 in rectangles:
@@ -189,7 +189,7 @@ class Reprojection:
         for rectangle in self._drawn:
             label_pixels(canvas.label, self._supersample, rectangle, canvas.pixel_label)
         if rectangles:
-            effects = self._effects.render(self._data, poses, affected, gains)
+            effects = self._effects.render(poses, affected, gains)
             views = compose_transforms(poses, self._pose.world_to_camera)
             surfaces = self._keyframes.surfaces(t_us, views, flicker, self._projection)
             for rectangle in rectangles:
@@ -221,6 +221,11 @@ class Reprojection:
 
     def _place(self, t_us: int) -> None:
         self._scene.place(self._data, self._seconds(t_us))
+
+    def _moment(self, t_us: int) -> tuple[F64, AffectedAreas]:
+        """Return the poses of all bodies at a time, and what shadows and beams can change then."""
+        self._place(t_us)
+        return body_poses(self._data), self._areas.find(self._data)
 
     def _gains(self, flicker: float) -> F64:
         """Return the factor of each layer of the background."""

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.pinhole import Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle, image_rectangle, rectangle_of_points
+from sim.geometry.rectangles import NOWHERE, Frame, Rectangle, hull_rectangle
 from sim.geometry.rigid_transform import axes_along
-from sim.shadows.shadow_maps import ShadowSource
 
 F64 = npt.NDArray[np.float64]
+I64 = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 BEAM_REACH_M = 30.0
 """Distance beyond which a dipped beam changes nothing in view (measured)."""
@@ -22,42 +23,106 @@ BEAM_RIM_CORNERS = 24
 more corners only make the rectangle tighter, by 0.9 % of the radius at most (assumed)."""
 
 
-def shadow_rectangle(
-    corners_m: F64, source: ShadowSource, pose: Pose, lens: Intrinsics
-) -> Rectangle | None:
-    """Return the rectangle that holds a box and everything it can shade, down to the ground.
+class ShadowLights(NamedTuple):
+    """Lights that cast shadows, for kernels; see `sim.shadows.shadow_maps.ShadowSource`.
+
+    Attributes:
+        away: (lights, 3) direction away from each light.
+        positions_m: (lights, 3) position of each lamp [m]; arbitrary for the sun.
+        is_sun: (lights,) bool, True for the sun.
+    """
+
+    away: F64
+    positions_m: F64
+    is_sun: Bools
+
+
+@compiled
+def shadow_rectangles(
+    boxes_m: F64, roots: I64, origins_m: F64, axes: F64, lights: ShadowLights, frame: Frame
+) -> I64:
+    """Return the rectangles that hold boxes and everything they can shade, down to the ground.
 
     Args:
-        corners_m: (8, 3) corners of the box in the world [m].
-        source: the sun or the lamp that the box shades.
-        pose: pose of the camera.
-        lens: intrinsics of the camera.
+        boxes_m: (objects, 8, 3) corners of each object's box in the frame of its root body [m].
+        roots: (objects,) numbers of these bodies.
+        origins_m: (bodies, 3) origins of all bodies in the world [m].
+        axes: (bodies, 9) rotation matrices of all bodies, row by row.
+        lights: the lights.
+        frame: frame of the camera.
 
     Returns:
-        The rectangle; the whole image if the shadow does not end on the ground; None if nothing of
-        it is in the image.
+        (objects, lights, 4) x0, y0, x1, y1 [px]; the whole image if a shadow does not end on the
+        ground; `NOWHERE` if nothing of it is in the image.
     """
-    points, on_ground = _add_shadows(corners_m, source.axes[2], source.position_m, source.is_sun)
-    return rectangle_of_points(points, pose, lens) if on_ground else image_rectangle(lens)
+    out = np.empty((len(boxes_m), len(lights.is_sun), 4), np.int64)
+    corners_m = np.empty((8, 3))
+    for k in range(len(boxes_m)):
+        origin_m, turn = origins_m[roots[k]], axes[roots[k]]
+        for i in range(8):
+            x, y, z = boxes_m[k, i, 0], boxes_m[k, i, 1], boxes_m[k, i, 2]
+            for axis in range(3):
+                along = turn[3 * axis] * x + turn[3 * axis + 1] * y + turn[3 * axis + 2] * z
+                corners_m[i, axis] = along + origin_m[axis]
+        for j in range(len(lights.is_sun)):
+            out[k, j] = _shadow_rectangle(corners_m, lights, j, frame)
+    return out
 
 
-def beam_rectangle(
-    position_m: F64, direction: F64, angle_rad: float, pose: Pose, lens: Intrinsics
-) -> Rectangle | None:
-    """Return the rectangle that holds everything above the ground that a spot light can reach.
+class BeamLamps(NamedTuple):
+    """Spot lights that move with the objects, for kernels.
+
+    Attributes:
+        numbers: (n,) numbers of the lights.
+        slopes: (n,) tangent of the angle between each cone's axis and its rim.
+        cones: (n, 3) candela, and scale and offset of each cone's edge.
+    """
+
+    numbers: I64
+    slopes: F64
+    cones: F64
+
+
+@compiled
+def beams_in_view(
+    lamps: BeamLamps, positions_m: F64, directions: F64, frame: Frame
+) -> tuple[F64, I64]:
+    """Return the beams that reach something above the ground that is in the image.
 
     Args:
-        position_m: (3,) position of the spot light in the world [m].
-        direction: (3,) unit vector along the cone's axis.
-        angle_rad: angle between the cone's axis and its rim.
-        pose: pose of the camera.
-        lens: intrinsics of the camera.
+        lamps: the lights whose beams are looked for.
+        positions_m: (lights, 3) positions of all lights in the world [m].
+        directions: (lights, 3) unit vectors along all cones' axes.
+        frame: frame of the camera.
 
     Returns:
-        The rectangle; None if nothing of it is in the image.
+        (n, 9) position and direction in the camera's frame, and the cone, see `BeamLamps`; and
+        (n, 4) x0, y0, x1, y1 of the area that each can light [px].
     """
-    points = _beam_hull(position_m, direction, axes_along(direction), math.tan(angle_rad))
-    return rectangle_of_points(points, pose, lens)
+    count, into = 0, frame.world_to_camera
+    beams, areas = np.empty((len(lamps.numbers), 9)), np.empty((len(lamps.numbers), 4), np.int64)
+    for k in range(len(lamps.numbers)):
+        position_m, direction = positions_m[lamps.numbers[k]], directions[lamps.numbers[k]]
+        hull_m = _beam_hull(position_m, direction, axes_along(direction), lamps.slopes[k])
+        area = hull_rectangle(hull_m, frame)
+        if area == NOWHERE:
+            continue
+        for i in range(3):
+            along = into[i, 0] * position_m[0] + into[i, 1] * position_m[1]
+            beams[count, i] = along + into[i, 2] * position_m[2] + into[i, 3]
+            along = into[i, 0] * direction[0] + into[i, 1] * direction[1]
+            beams[count, 3 + i] = along + into[i, 2] * direction[2]
+        beams[count, 6:], areas[count] = lamps.cones[k], area
+        count += 1
+    return beams[:count], areas[:count]
+
+
+@compiled
+def _shadow_rectangle(corners_m: F64, lights: ShadowLights, light: int, frame: Frame) -> Rectangle:
+    """Return the rectangle of one box, (8, 3), and its shadow; see `shadow_rectangles`."""
+    position_m, is_sun = lights.positions_m[light], lights.is_sun[light]
+    points_m, on_ground = _add_shadows(corners_m, lights.away[light], position_m, is_sun)
+    return hull_rectangle(points_m, frame) if on_ground else (0, 0, frame.width, frame.height)
 
 
 @compiled

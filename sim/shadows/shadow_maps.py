@@ -79,7 +79,6 @@ def render_shadow_map(
     source: ShadowSource,
     obj: MovingObject,
     caster: SharedCorners,
-    data: mujoco.MjData,
     poses: F64,
     out: F32,
 ) -> ShadowMap | None:
@@ -89,7 +88,6 @@ def render_shadow_map(
         source: the light.
         obj: the object in front of the light.
         caster: triangles of the object that cast shadows.
-        data: positions of the object's bodies.
         poses: (bodies, 3, 4) transform from each body's frame into the world.
         out: (`MAP_SIDE`, `MAP_SIDE`) float32; the map is written to its upper left part.
 
@@ -98,7 +96,7 @@ def render_shadow_map(
     """
     if not len(caster.faces):
         return None
-    origin_m = data.xpos[obj.root] if source.is_sun else source.position_m
+    origin_m = poses[obj.root, :, 3].copy() if source.is_sun else source.position_m
     corners = caster.corners_m, caster.body, caster.faces
     view, rows, columns = _rasterise_map(source.axes, origin_m, source.is_sun, *corners, poses, out)
     return ShadowMap(view, (rows, columns)) if rows else None

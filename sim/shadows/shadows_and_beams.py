@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import mujoco
@@ -12,15 +11,19 @@ import numpy.typing as npt
 
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle
+from sim.geometry.rectangles import Rectangle, frame_of
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
 from sim.raster.shared_corners import share_corners
 from sim.raster.triangles import TriangleSoup
-from sim.scene.moving_objects import MovingObject
-from sim.shadows.affected_rectangles import beam_rectangle, shadow_rectangle
+from sim.scene.moving_objects import MovingObject, box_corners_m
+from sim.shadows.affected_rectangles import (
+    BeamLamps,
+    ShadowLights,
+    beams_in_view,
+    shadow_rectangles,
+)
 from sim.shadows.shadow_maps import (
     MAP_SIDE,
-    ShadowMap,
     ShadowSource,
     render_shadow_map,
     shadow_sources,
@@ -39,23 +42,27 @@ MIN_CONE_EDGE = 1 / 1024
 lights."""
 
 
-@dataclass(frozen=True, eq=False)
-class AffectedAreas:
+class AffectedAreas(NamedTuple):
     """Image areas that shadows and beams of the moving objects can change at one time.
 
+    Rectangles are x0, y0, x1, y1 [px]; all 0 if nothing is in the image.
+
     Attributes:
-        shadows: for each shadow, the index of its light in `AffectedAreaFinder.sources`, the object
-            that casts it, and the rectangle that it can darken.
-        beams: for each beam, the number of its light, and the rectangle that it can reach.
+        shadows: (objects, lights, 4) int64, area that each object can darken for each light of
+            `AffectedAreaFinder.sources`.
+        beams: (n, 9) beams in view; see `ShadowsAndBeams`.
+        beam_areas: (n, 4) int64, area that each of these can reach.
     """
 
-    shadows: list[tuple[int, MovingObject, Rectangle]]
-    beams: list[tuple[int, Rectangle]]
+    shadows: Numbers
+    beams: F64
+    beam_areas: Numbers
 
     @property
     def rectangles(self) -> list[Rectangle]:
-        """The rectangles of all shadows and beams."""
-        return [area for _, _, area in self.shadows] + [area for _, area in self.beams]
+        """The rectangles of all shadows and beams that are in the image."""
+        found = self.shadows.reshape(-1, 4).tolist() + self.beam_areas.tolist()
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in found if x1]
 
 
 class AffectedAreaFinder:
@@ -87,27 +94,32 @@ class AffectedAreaFinder:
             lens: intrinsics of the camera.
         """
         self.pose, self.objects = pose, objects
-        self._model, self._lens = model, lens
         self.shadow_lights = _shadow_lights(model, objects)
         self.sources: list[ShadowSource] = shadow_sources(model, data, self.shadow_lights)
+        self._lights = ShadowLights(
+            np.array([source.axes[2] for source in self.sources]).reshape(-1, 3),
+            np.array([source.position_m for source in self.sources]).reshape(-1, 3),
+            np.array([source.is_sun for source in self.sources], np.bool_),
+        )
+        self._boxes_m = np.array([box_corners_m(o.box_m) for o in objects]).reshape(-1, 8, 3)
+        self._roots = np.array([o.root for o in objects], np.int64)
         none = np.empty(0, np.int64)
         self.beams: Numbers = np.concatenate([none, *(o.lamps for o in objects)])
+        # Taken now, because a renderer changes the model's lights for a moment.
+        self._lamps = BeamLamps(
+            self.beams,
+            np.tan(np.radians(model.light_cutoff[self.beams].astype(np.float64))),
+            np.array([_cone(model, int(k)) for k in self.beams]).reshape(-1, 3),
+        )
+        self._frame = frame_of(pose, lens)
 
     def find(self, data: mujoco.MjData) -> AffectedAreas:
         """Return the areas for the poses in `data`."""
-        shadows = []
-        for obj in self.objects:
-            corners = obj.corners_m(data)
-            for k, source in enumerate(self.sources):
-                if area := shadow_rectangle(corners, source, self.pose, self._lens):
-                    shadows.append((k, obj, area))
-        beams = ((int(k), self._beam_area(data, int(k))) for k in self.beams)
-        return AffectedAreas(shadows, [(k, area) for k, area in beams if area])
-
-    def _beam_area(self, data: mujoco.MjData, light: int) -> Rectangle | None:
-        angle = math.radians(self._model.light_cutoff[light])
-        position, direction = data.light_xpos[light], data.light_xdir[light]
-        return beam_rectangle(position, direction, angle, self.pose, self._lens)
+        bodies = self._roots, data.xpos, data.xmat
+        return AffectedAreas(
+            shadow_rectangles(self._boxes_m, *bodies, self._lights, self._frame),
+            *beams_in_view(self._lamps, data.light_xpos, data.light_xdir, self._frame),
+        )
 
 
 class ShadowsAndBeams(NamedTuple):
@@ -170,53 +182,58 @@ class ShadowBeamRenderer:
                 f"{pairs} shadows. Allowed are up to {MAX_SHADOWS}. Remove some of the moving "
                 "objects."
             )
-        self._maps = np.empty((pairs, MAP_SIDE, MAP_SIDE), np.float32)
         self._to_world = inverse_transform(finder.pose.world_to_camera)
-        # Taken now, because a renderer changes the model's lights for a moment.
-        self._beams = {int(k): _beam_constants(model, int(k)) for k in finder.beams}
-        self._beam_range_m = max((float(model.light_range[k]) for k in finder.beams), default=1.0)
+        self._rows = ShadowsAndBeams(
+            gains=np.empty(0),
+            maps=np.empty((pairs, MAP_SIDE, MAP_SIDE), np.float32),
+            sizes=np.empty((pairs, 2), np.int64),
+            views=np.empty((pairs, 3, 4)),
+            light=np.empty(pairs, np.int64),
+            is_sun=np.empty(pairs, np.bool_),
+            shadow_areas=np.empty((pairs, 4), np.int64),
+            beams=np.empty((0, 9)),
+            beam_areas=np.empty((0, 4), np.int64),
+            beam_range_m=max((float(model.light_range[k]) for k in finder.beams), default=1.0),
+        )
 
-    def render(
-        self, data: mujoco.MjData, poses: F64, areas: AffectedAreas, gains: F64
-    ) -> ShadowsAndBeams:
+    def render(self, poses: F64, areas: AffectedAreas, gains: F64) -> ShadowsAndBeams:
         """Render the shadow maps and collect the beams.
 
         Args:
-            data: positions of bodies and lights.
             poses: (bodies, 3, 4) transform from each body's frame into the world.
             areas: affected areas at the same time.
             gains: factor of each layer of the background.
+
+        Returns:
+            Shadows and beams. The next call overwrites them.
         """
-        rendered: list[tuple[int, ShadowMap, Rectangle]] = []
-        sources = self._finder.sources
-        for k, obj, area in areas.shadows:
-            out = self._maps[len(rendered)]
-            made = render_shadow_map(sources[k], obj, self._casters[obj.name], data, poses, out)
-            if made:
-                rendered.append((k, made, area))
-        views = np.array([made.view for _, made, _ in rendered]).reshape(-1, 3, 4)
-        return ShadowsAndBeams(
+        sources, rows, count = self._finder.sources, self._rows, 0
+        for obj, of_lights in zip(self._finder.objects, areas.shadows.tolist(), strict=True):
+            for k, area in enumerate(of_lights):
+                if not area[2]:
+                    continue
+                out = rows.maps[count]
+                caster = self._casters[obj.name]
+                made = render_shadow_map(sources[k], obj, caster, poses, out)
+                if made is None:
+                    continue
+                rows.sizes[count], rows.views[count] = made.size, made.view
+                rows.light[count], rows.is_sun[count] = k, sources[k].is_sun
+                rows.shadow_areas[count] = area
+                count += 1
+        return rows._replace(
             gains=gains,
-            maps=self._maps,
-            sizes=np.array([made.size for _, made, _ in rendered], np.int64).reshape(-1, 2),
-            views=compose_transforms(self._to_world, views),
-            light=np.array([k for k, _, _ in rendered], np.int64),
-            is_sun=np.array([sources[k].is_sun for k, _, _ in rendered], np.bool_),
-            shadow_areas=np.array([area for _, _, area in rendered], np.int64).reshape(-1, 4),
-            beams=np.array([self._beam(data, k) for k, _ in areas.beams]).reshape(-1, 9),
-            beam_areas=np.array([area for _, area in areas.beams], np.int64).reshape(-1, 4),
-            beam_range_m=self._beam_range_m,
+            sizes=rows.sizes[:count],
+            views=compose_transforms(self._to_world, rows.views[:count]),
+            light=rows.light[:count],
+            is_sun=rows.is_sun[:count],
+            shadow_areas=rows.shadow_areas[:count],
+            beams=areas.beams,
+            beam_areas=areas.beam_areas,
         )
 
-    def _beam(self, data: mujoco.MjData, light: int) -> F64:
-        """Return the row of `ShadowsAndBeams.beams` for a light, (9,)."""
-        into = self._finder.pose.world_to_camera
-        position = into[:, :3] @ data.light_xpos[light] + into[:, 3]
-        direction = into[:, :3] @ data.light_xdir[light]
-        return np.concatenate([position, direction, self._beams[light]])
 
-
-def _beam_constants(model: mujoco.MjModel, light: int) -> F64:
+def _cone(model: mujoco.MjModel, light: int) -> F64:
     """Return candela, and scale and offset of the cone's edge, of a light."""
     outer = math.radians(model.light_cutoff[light])
     inner = outer * (1 - model.light_softness[light])

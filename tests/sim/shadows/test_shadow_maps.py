@@ -56,7 +56,7 @@ class World:
         """Return the share of a light that ground at some height gets, seen from straight above."""
         maps = np.full((1, MAP_SIDE, MAP_SIDE), np.nan, np.float32)
         poses, source = body_poses(self.data), self.source(light)
-        made = render_shadow_map(source, self.box, self.shared, self.data, poses, maps[0])
+        made = render_shadow_map(source, self.box, self.shared, poses, maps[0])
         assert made is not None
         shadow = effects(
             1.0,
@@ -145,7 +145,7 @@ def test_an_object_behind_a_lamp_casts_no_shadow(world: World) -> None:
     down = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 3.0]), is_sun=False)
     up = ShadowSource(np.eye(3), np.array([0.0, 0.0, 3.0]), is_sun=False)
     out, poses = np.empty((MAP_SIDE, MAP_SIDE), np.float32), body_poses(world.data)
-    args = world.box, world.shared, world.data, poses, out
+    args = world.box, world.shared, poses, out
     assert render_shadow_map(up, *args) is None
     assert render_shadow_map(down, *args) is not None
 
@@ -156,7 +156,7 @@ def test_maps_fit_objects_of_any_size(half_m: float) -> None:
     world = World(np.array([half_m, half_m, 0.1]), turn_deg=0.0)
     sun = ShadowSource(np.diag([1.0, -1.0, -1.0]), np.zeros(3), is_sun=True)
     out = np.empty((MAP_SIDE, MAP_SIDE), np.float32)
-    made = render_shadow_map(sun, world.box, world.shared, world.data, body_poses(world.data), out)
+    made = render_shadow_map(sun, world.box, world.shared, body_poses(world.data), out)
     assert made is not None
     rows, columns = made.size
     assert max(rows, columns) <= MAP_SIDE
@@ -171,4 +171,4 @@ def test_an_object_without_casting_triangles_has_no_map(world: World, light: int
     none, out = share_corners(world.soup.of_bodies([])), np.zeros((MAP_SIDE, MAP_SIDE), np.float32)
     poses = body_poses(world.data)
     source = world.source(light)
-    assert render_shadow_map(source, world.box, none, world.data, poses, out) is None
+    assert render_shadow_map(source, world.box, none, poses, out) is None

@@ -61,7 +61,7 @@ def beam_lux(
     finder = AffectedAreaFinder(model, data, (obj,), pose, lens)
     movers = triangle_soup(model).of_bodies(obj.bodies)
     effects = ShadowBeamRenderer(model, movers, finder).render(
-        data, body_poses(data), finder.find(data), np.ones(1)
+        body_poses(data), finder.find(data), np.ones(1)
     )
     background = flat_background(
         EYE_M, np.zeros(1), albedo=ALBEDO, lens=lens, supersample=supersample
@@ -150,16 +150,42 @@ def test_each_mover_has_a_shadow_for_each_fixed_light_that_casts_shadows() -> No
     assert [source.is_sun for source in finder.sources] == [True, False]
     assert len(finder.beams) == 2
     areas = finder.find(data)
-    assert [(k, obj.name) for k, obj, _ in areas.shadows] == [
-        (k, name) for name in ("mover_0", "mover_1") for k in (0, 1)
+    assert areas.shadows.shape == (2, 2, 4)
+    assert areas.beam_areas.shape == (2, 4)
+    assert areas.rectangles == [
+        *map(tuple, areas.shadows.reshape(-1, 4)),
+        *map(tuple, areas.beam_areas),
     ]
-    assert len(areas.rectangles) == len(areas.shadows) + len(areas.beams)
+    effects = ShadowBeamRenderer(model, triangle_soup(model).of_bodies([1, 2]), finder).render(
+        body_poses(data), areas, np.ones(3)
+    )
+    assert effects.light.tolist() == [0, 1, 0, 1]
+    assert effects.is_sun.tolist() == [True, False, True, False]
+    np.testing.assert_array_equal(effects.shadow_areas, areas.shadows.reshape(-1, 4))
+    np.testing.assert_array_equal(effects.beam_areas, areas.beam_areas)
+
+
+def test_what_is_out_of_view_has_no_shadow_map_and_no_beam() -> None:
+    """The objects and lamps in view keep theirs, in their order."""
+    model, data, finder = street_with_movers(3)
+    data.qpos[7:10] = [60, 0, 0.5]  # of the second
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+    areas = finder.find(data)
+    assert areas.shadows.any(axis=-1).tolist() == [[True, True], [False, False], [True, True]]
+    effects = ShadowBeamRenderer(model, triangle_soup(model).of_bodies([1, 2, 3]), finder).render(
+        body_poses(data), areas, np.ones(3)
+    )
+    np.testing.assert_array_equal(effects.shadow_areas, areas.shadows[[0, 2]].reshape(-1, 4))
+    into = finder.pose.world_to_camera
+    tips = data.light_xpos[finder.beams[[0, 2]]] @ into[:, :3].T + into[:, 3]
+    np.testing.assert_allclose(effects.beams[:, :3], tips, rtol=1e-12)
 
 
 def test_geoms_that_cast_no_shadow_in_the_renderer_cast_none_here() -> None:
     model, data, finder = street_with_movers(1)
     effects = ShadowBeamRenderer(model, triangle_soup(model).of_bodies([1]), finder).render(
-        data, body_poses(data), finder.find(data), np.ones(3)
+        body_poses(data), finder.find(data), np.ones(3)
     )
     background = flat_background(EYE_M, np.array([0.0, 1.0, 0.0]), lens=LENS)
     lit = composited(background, effects._replace(beams=effects.beams[:0]), lens=LENS)
