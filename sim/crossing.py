@@ -159,7 +159,7 @@ class Crossing:
                 "Allowed is at least one time of 0 or more, each later than the previous one. "
                 "Sort the times and remove duplicates."
             )
-        probe = TruthProbe(self.scene, self.intrinsics)
+        probe = TruthProbe(self.scene, self.intrinsics, [self.seconds(t) for t in times])
         frames = self._cached_luminance(times)
         if times_us is None and self.config.has_midpoints:
             frames = with_midpoints(frames)

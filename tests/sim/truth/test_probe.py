@@ -1,6 +1,7 @@
 """Ground truth of each object, compared with closed forms and with projected points."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from flybench.direction import CARDINAL, Direction
 from sim.config import CrossingConfig
 from sim.distractors import Distractors, RelativeDirection, VehicleKind
 from sim.geometry.pinhole import Intrinsics, project
+from sim.motion.computed_ahead import BLOCK
 from sim.raster.triangles import TriangleSoup
 from sim.raster.visibility import visibility_map
 from sim.scene.scene import Scene, build_scene
@@ -56,6 +58,25 @@ def test_the_target_moves_along_its_trajectory(direction: str) -> None:
         )
         flank, _ = project(_flank_middle_m(scene, t_s), scene.pose, LENS)
         assert truth.reference_px == pytest.approx(flank[0])
+
+
+def test_the_truth_at_announced_times_is_that_at_any_time() -> None:
+    """Also for what is asked for later: visibility."""
+    shaking = replace(EVERYTHING, shake_rms_deg=0.1)
+    scene, probe = scene_and_probe(distractors=shaking)
+    times_s = [0.02 * k for k in range(BLOCK + 3)]
+    announced = TruthProbe(scene, LENS, times_s)
+    asked = [times_s[0], times_s[1], 0.033, *times_s[BLOCK - 1 :]]
+    found, wanted = ([truth_at(p, t) for t in asked] for p in (announced, probe))
+    assert len({truth.target.reference_px[0] for truth in found}) == len(asked)
+    for truth, alone in zip(found, wanted, strict=True):
+        for one, other in zip(truth.objects, alone.objects, strict=True):
+            np.testing.assert_array_equal(one.reference_px, other.reference_px)
+            np.testing.assert_array_equal(one.image_velocity_px_s, other.image_velocity_px_s)
+            assert one.angular_velocity_rad_s == other.angular_velocity_rad_s
+            assert one.distance_m == other.distance_m
+            assert one.visibility == other.visibility
+    assert len({truth.target.visibility for truth in found}) > 1
 
 
 def test_every_moving_object_has_its_name_and_its_pixels() -> None:
