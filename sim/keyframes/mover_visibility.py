@@ -102,8 +102,11 @@ class MoverRaster:
         Returns:
             (n, 3, 3) triangles on the sub-pixel grid; and (n,) the part of each.
         """
+        return self.project_views(compose_transforms(poses, self.pose.world_to_camera))
+
+    def project_views(self, views: F64) -> tuple[F64, I32]:
+        """Project the moving triangles; `views` transforms each body's frame to the camera's."""
         size, lens = self.supersample, self.lens
-        views = compose_transforms(poses, self.pose.world_to_camera)
         grid = Projection(lens.focal_px * size, lens.width * size / 2, lens.height * size / 2)
         return project_bodies(self._shared, self._part_of_triangle, views, grid, NEAR_M)
 

@@ -27,12 +27,12 @@ from sim.geometry.pinhole import Intrinsics, Projection
 from sim.geometry.rectangles import (
     Rectangle,
     image_rectangle,
-    merge_overlapping,
 )
-from sim.geometry.rigid_transform import body_poses, compose_transforms
+from sim.geometry.rigid_transform import body_poses
 from sim.keyframes.background import (
     background_of,
 )
+from sim.keyframes.moments import Moment, Moments
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
 from sim.keyframes.plan import PLAN_STEP_PX, plan_keyframes
 from sim.keyframes.renderings import Renderings
@@ -48,7 +48,7 @@ from sim.render.filament import Luminance
 from sim.render.renderer_thread import RendererThread
 from sim.scene.lamp_flicker import FlickeringLamps
 from sim.scene.scene import Scene
-from sim.shadows.shadows_and_beams import AffectedAreaFinder, AffectedAreas, ShadowBeamRenderer
+from sim.shadows.shadows_and_beams import AffectedAreaFinder, ShadowBeamRenderer
 
 F32 = npt.NDArray[np.float32]
 F64 = npt.NDArray[np.float64]
@@ -153,85 +153,57 @@ class Reprojection:
             self._static, body_poses(self._data), self._pose, self._wide
         ).body
         self._canvas = blank_canvas(self._background)
-        self._moments = ComputedAhead(self._moment, times_us)
+        moments = Moments(scene, self._data, seconds, self._raster, self._areas, self._flickering)
+        self._moments = ComputedAhead(moments.at, times_us)
         self._drawn: list[Rectangle] = []
         self._lit: list[Rectangle] = [image_rectangle(self._wide)]
 
     def render(self, t_us: int) -> RenderedSample:
         """Render the sample at a time [µs]; times must not decrease."""
         self._keyframes.advance(t_us)
-        poses, affected = self._moments.at(t_us)
-        sample = self._steady_sample(t_us, poses, affected)
+        now = self._moments.at(t_us)
+        sample = self._steady_sample(t_us, now)
         if self._scene.shake is None:
             return sample
         pose = self._scene.pose_at(self._seconds(t_us))
         luminance = rotated_image(sample.luminance, self._pose, self._wide, pose, self._lens)
-        visible = visibility_map(self._static, poses, pose, self._lens)
-        body = visibility_map(self._movers, poses, pose, self._lens, visible).body
+        visible = visibility_map(self._static, now.poses, pose, self._lens)
+        body = visibility_map(self._movers, now.poses, pose, self._lens, visible).body
         return RenderedSample(luminance, body, [image_rectangle(self._lens)])
 
-    def _steady_sample(self, t_us: int, poses: F64, affected: AffectedAreas) -> RenderedSample:
+    def _steady_sample(self, t_us: int, now: Moment) -> RenderedSample:
         """Return what the steady camera sees."""
-        canvas, body = self._canvas, self._static_body.copy()
-        flicker = self._scene.flicker_factor(self._seconds(t_us))
-        gains = self._gains(flicker)
+        canvas, background, body = self._canvas, self._background, self._static_body.copy()
         if self._flickering is None:
             for x0, y0, x1, y1 in self._lit:
                 canvas.image[y0:y1, x0:x1] = self._static_image[y0:y1, x0:x1]
         else:
-            canvas.image[:] = np.tensordot(
-                gains.astype(np.float32), self._background.pixels, axes=1
-            )
-        self._draw_outlines(poses, body)
-        self._lit = rectangles = merge_overlapping(self._drawn + affected.rectangles)
-        for x0, y0, x1, y1 in rectangles:
-            canvas.pixel_label[y0:y1, x0:x1] = NO_LABEL
-        for rectangle in self._drawn:
-            label_pixels(canvas.label, self._supersample, rectangle, canvas.pixel_label)
-        if rectangles:
-            effects = self._effects.render(poses, affected, gains)
-            views = compose_transforms(poses, self._pose.world_to_camera)
-            surfaces = self._keyframes.surfaces(t_us, views, flicker, self._projection)
-            for rectangle in rectangles:
-                composite(
-                    canvas,
-                    self._background,
-                    effects,
-                    surfaces,
-                    self._projection,
-                    self._aperture,
-                    rectangle,
-                )
-        if self._flickering is not None:
-            rectangles = [image_rectangle(self._wide)]
-        return RenderedSample(canvas.image.copy(), body, rectangles)
+            canvas.image[:] = np.tensordot(now.gains.astype(np.float32), background.pixels, axes=1)
+        self._draw_outlines(now, body)
+        self._lit = now.changed
+        if now.changed:
+            effects = self._effects.render(now.poses, now.affected, now.gains)
+            surfaces = self._keyframes.surfaces(t_us, now.views, now.flicker, self._projection)
+            moving = effects, surfaces, self._projection, self._aperture
+            for rectangle in now.changed:
+                composite(canvas, background, *moving, rectangle)
+        whole = [image_rectangle(self._wide)]
+        changed = now.changed if self._flickering is None else whole
+        return RenderedSample(canvas.image.copy(), body, changed)
 
-    def _draw_outlines(self, poses: F64, body: I32) -> None:
+    def _draw_outlines(self, now: Moment, body: I32) -> None:
         """Put the moving parts on the canvas, and their bodies into a map of pixel centres."""
         canvas, size = self._canvas, self._supersample
         for rectangle in self._drawn:
             wipe(canvas, self._background, rectangle, size)
-        projected, part = self._raster.project(poses)
-        found = self._raster.rectangles(projected, part, self._scene.objects)
-        self._drawn = [rectangle for rectangle in found if rectangle]
-        if self._drawn:
-            rasterise(projected, part, 0, 0, canvas.nearness, canvas.label, True)
-        for rectangle in self._drawn:
+        self._drawn = now.drawn
+        if now.drawn:
+            rasterise(now.triangles, now.part, 0, 0, canvas.nearness, canvas.label, True)
+        for x0, y0, x1, y1 in now.changed:
+            canvas.pixel_label[y0:y1, x0:x1] = NO_LABEL
+        for rectangle in now.drawn:
             show_bodies(canvas.label, self._raster.parts.body, size, rectangle, body)
+            label_pixels(canvas.label, size, rectangle, canvas.pixel_label)
 
     def _place(self, t_us: int) -> None:
         self._scene.place(self._data, self._seconds(t_us))
-
-    def _moment(self, t_us: int) -> tuple[F64, AffectedAreas]:
-        """Return the poses of all bodies at a time, and what shadows and beams can change then."""
-        self._place(t_us)
-        return body_poses(self._data), self._areas.find(self._data)
-
-    def _gains(self, flicker: float) -> F64:
-        """Return the factor of each layer of the background."""
-        lights = self._areas.shadow_lights
-        gains = np.ones(1 + len(lights) + (self._flickering is not None))
-        if self._flickering is not None:
-            gains[1:-1][np.isin(lights, self._flickering.lights)] = flicker
-            gains[-1] = flicker
-        return gains

@@ -14,8 +14,8 @@ from typing import Generic, TypeVar
 Time = TypeVar("Time", int, float)
 Value = TypeVar("Value")
 
-BLOCK = 32
-"""Number of times whose values are computed at once (assumed: more gain nothing)."""
+BLOCK = 16
+"""Number of times whose values are computed at once (measured: 8 and 32 cost the same)."""
 
 
 class ComputedAhead(Generic[Time, Value]):
