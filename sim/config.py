@@ -81,9 +81,10 @@ class CrossingConfig:
         supersample: rendered sub-pixels per sensor pixel along each axis; see `flybench converge`.
         keyframe_px: distance that an object moves in the image from one keyframe to the next [px];
             see `flybench converge`.
-        quality: draft, full or fine. In a draft, samples are 1.6 times and keyframes twice as far
-            apart as `step_px` and `keyframe_px` say. In a draft and in fine quality,
-            `Crossing.samples` adds a sample half way between two; see `sim.keyframes.midpoints`.
+        quality: draft, full or fine. Full quality is what `step_px` and `keyframe_px` say. In a
+            draft, samples are 1.6 times and keyframes twice as far apart. In a draft and in fine
+            quality, `Crossing.samples` adds a sample half way between two; see
+            `sim.keyframes.midpoints`.
     """
 
     lighting: Lighting = Lighting.DAY

@@ -86,11 +86,10 @@ class Preview:
         t_s, lens = self._crossing.seconds(t_us), self._crossing.intrinsics
         self._scene.place(self._data, t_s)
         height, width = round(lens.height * scale), round(lens.width * scale)
-        before, self._moving = self._moving, self._moving_areas()
-        changed = enclosing_rectangle(before + self._moving)
-        if self._scene.shake or self._image.shape[:2] != (height, width):
-            self._image = np.empty((height, width, 3), np.uint8)
-            changed = image_rectangle(lens)
+        moving, image = self._moving_areas(), self._image
+        changed = enclosing_rectangle(self._moving + moving)
+        if self._scene.shake or image.shape[:2] != (height, width):
+            image, changed = np.empty((height, width, 3), np.uint8), image_rectangle(lens)
         x0, y0 = (math.floor(edge * scale) for edge in changed[:2])
         x1, y1 = (
             min(math.ceil(changed[2] * scale), width),
@@ -99,8 +98,9 @@ class Preview:
         if x0 < x1:
             self._renderer.update(self._data)
             pose = self._scene.pose_at(t_s)
-            self._image[y0:y1, x0:x1] = self._renderer.preview(pose, (x0, y0, x1, y1), scale)
-        return self._image.copy()
+            image[y0:y1, x0:x1] = self._renderer.preview(pose, (x0, y0, x1, y1), scale)
+        self._image, self._moving = image, moving
+        return image.copy()
 
     def _moving_areas(self) -> list[Rectangle]:
         """Return the rectangles of the moving objects, their shadows and beams."""

@@ -28,9 +28,9 @@ from scenarios.study.timed_detector import (
 from sim import Crossing, CrossingConfig
 
 PREVIEW_PERIOD_US = 100_000
-"""Time between the colour previews of a recording [µs]. In front of moving backgrounds each is a
-whole rendered image (0.15 s of CPU by day, 0.22 s at night), so that a study has half as many as a
-single run (assumed)."""
+"""Time between the colour previews of a recording [µs]. For a shaking camera each is a whole
+rendered image (0.15 s of CPU by day, 0.22 s at night), so that a study has half as many as a single
+run (assumed)."""
 Progress = Callable[[int, int], None]
 """Called with the time reached and the whole duration [µs]."""
 

@@ -25,7 +25,7 @@ NOWHERE: Rectangle = (0, 0, 0, 0)
 """The rectangle of something outside the image, for kernels."""
 
 
-class Frame(NamedTuple):
+class SteadyCamera(NamedTuple):
     """A steady camera without an offset of its optical axis, for kernels.
 
     Attributes:
@@ -41,9 +41,9 @@ class Frame(NamedTuple):
     height: int
 
 
-def frame_of(pose: Pose, lens: Intrinsics) -> Frame:
-    """Return the frame of a camera."""
-    return Frame(pose.world_to_camera, lens.focal_px, lens.width, lens.height)
+def steady_camera(pose: Pose, lens: Intrinsics) -> SteadyCamera:
+    """Return a camera for kernels."""
+    return SteadyCamera(pose.world_to_camera, lens.focal_px, lens.width, lens.height)
 
 
 def rectangle_around(low: Point, high: Point, lens: Intrinsics) -> Rectangle | None:
@@ -86,7 +86,7 @@ def image_rectangle(lens: Intrinsics) -> Rectangle:
 
 def rectangle_of_points(points_m: F64, pose: Pose, lens: Intrinsics) -> Rectangle | None:
     """Return the rectangle that holds the convex hull of (n, 3) world points [m]."""
-    found = hull_rectangle(points_m, frame_of(pose, lens))
+    found = hull_rectangle(points_m, steady_camera(pose, lens))
     return None if found == NOWHERE else found
 
 
@@ -141,16 +141,16 @@ def joint_rectangles(bounds: F64, group: I64, count: int, width: int, height: in
 
 
 @compiled
-def hull_rectangle(points_m: F64, frame: Frame) -> Rectangle:
+def hull_rectangle(points_m: F64, camera: SteadyCamera) -> Rectangle:
     """Return the rectangle that holds the convex hull of points; `NOWHERE` outside the image.
 
     If the camera is among the points, it is the whole image.
 
     Args:
         points_m: (n, 3) points in the world [m].
-        frame: frame of the camera.
+        camera: the camera.
     """
-    into, focal_px, width, height = frame
+    into, focal_px, width, height = camera
     low_x = low_y = math.inf
     high_x = high_y = -math.inf
     behind = 0

@@ -1,7 +1,8 @@
 """Points of a rendered image that should show a part, and show nothing.
 
 Filament and `sim.raster.scan_conversion` round corners to different grids. Along thin parts they
-disagree at a few points in ten thousand.
+disagree at a few points in ten thousand. Where another moving object is behind such a point, the
+renderer shows that object, and the point is not found.
 """
 
 from __future__ import annotations
@@ -23,34 +24,34 @@ REACH = 6
 def fill_holes(image: F32, label: I32) -> None:
     """Give each point that shows nothing, but has a label, the mean of its surroundings.
 
-    These are the nearest drawn points of the same part; if there are none within `REACH`, the
-    nearest drawn points of anything. Without them the hole remains.
+    These are the nearest rendered points of the same part; if there are none within `REACH`, the
+    nearest rendered points of anything. Without them the hole remains.
 
     Args:
-        image: (layers, rows, columns) luminance, 0 in all layers where nothing was drawn; changed.
+        image: (layers, rows, columns) luminance, 0 where nothing was rendered; changed.
         label: (rows, columns) number of the part, negative for none.
     """
     rows, columns = label.shape
-    drawn = np.zeros(label.shape, np.bool_)
+    rendered = np.zeros(label.shape, np.bool_)
     for layer in image:
-        drawn |= layer != 0
+        rendered |= layer != 0
     for i in range(rows):
         for j in range(columns):
-            if label[i, j] < 0 or drawn[i, j]:
+            if label[i, j] < 0 or rendered[i, j]:
                 continue
-            if not _fill(image, label, drawn, i, j, True):
-                _fill(image, label, drawn, i, j, False)
+            if not _fill(image, label, rendered, i, j, True):
+                _fill(image, label, rendered, i, j, False)
 
 
 @compiled
-def _fill(image: F32, label: I32, drawn: Bools, i: int, j: int, same_part: bool) -> bool:
+def _fill(image: F32, label: I32, rendered: Bools, i: int, j: int, same_part: bool) -> bool:
     """Fill one hole from the smallest square around it that shows something; False if none does."""
     rows, columns = label.shape
     for reach in range(1, REACH + 1):
         total, count = np.zeros(len(image), np.float32), 0
         for row in range(max(i - reach, 0), min(i + reach + 1, rows)):
             for column in range(max(j - reach, 0), min(j + reach + 1, columns)):
-                if drawn[row, column] and (not same_part or label[row, column] == label[i, j]):
+                if rendered[row, column] and (not same_part or label[row, column] == label[i, j]):
                     total += image[:, row, column]
                     count += 1
         if count:

@@ -72,7 +72,7 @@ class Moments:
         self._raster, self._areas = raster, areas
         lights, flickers = areas.shadow_lights, flickering is not None
         mains = np.isin(lights, flickering.lights if flickering else [])
-        self._flickers = np.array([False, *mains, *[True] * flickers])
+        self._flickering_layers = np.array([False, *mains, *[True] * flickers])
 
     def at(self, t_us: int) -> Moment:
         """Return the state at a time [µs]."""
@@ -94,5 +94,5 @@ class Moments:
             affected=affected,
             changed=merge_overlapping(drawn + affected.rectangles),
             flicker=flicker,
-            gains=np.where(self._flickers, flicker, 1.0),
+            gains=np.where(self._flickering_layers, flicker, 1.0),
         )

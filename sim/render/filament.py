@@ -2,8 +2,8 @@
 
 Filament writes luminance × exposure as linear float32 into the red channel. It renders a model from
 `sim.render.luminance_model`, in which every colour is a grey of the same luminance. A rectangle of
-the image is rendered with the frustum of the whole image, so that its pixels show what they would
-show in the whole image.
+a luminance image is rendered with the frustum of the whole image, so that its pixels show what they
+would show in the whole image.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ INSTALL_COMMAND = "apt-get install -y libvulkan1 mesa-vulkan-drivers"
 VECTOR_WIDTH = "LP_NATIVE_VECTOR_WIDTH"
 """Environment variable that sets the width of the software renderer's vectors [bit]."""
 WORKING_VECTOR_WIDTH = 256
-"""The width that works; it is Mesa's default. With 0, 64 and 128, Mesa 22.3.6 corrupts memory as
+"""The width that works. With 0, 64 and 128, Mesa 22.3.6 corrupts memory as
 soon as there are shadows, also in a program that uses nothing but MuJoCo. With 512, it crashes at
 the first image on a processor with AVX-512 (measured)."""
 _TYPE_CPU = 4  # VK_PHYSICAL_DEVICE_TYPE_CPU

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flybench.kernels import compiled
-from sim.geometry.rectangles import NOWHERE, Frame, Rectangle, hull_rectangle
+from sim.geometry.rectangles import NOWHERE, Rectangle, SteadyCamera, hull_rectangle
 from sim.geometry.rigid_transform import axes_along
 
 F64 = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ class ShadowLights(NamedTuple):
 
 @compiled
 def shadow_rectangles(
-    boxes_m: F64, roots: I64, origins_m: F64, axes: F64, lights: ShadowLights, frame: Frame
+    boxes_m: F64, roots: I64, origins_m: F64, axes: F64, lights: ShadowLights, camera: SteadyCamera
 ) -> I64:
     """Return the rectangles that hold boxes and everything they can shade, down to the ground.
 
@@ -49,7 +49,7 @@ def shadow_rectangles(
         origins_m: (bodies, 3) origins of all bodies in the world [m].
         axes: (bodies, 9) rotation matrices of all bodies, row by row.
         lights: the lights.
-        frame: frame of the camera.
+        camera: the camera.
 
     Returns:
         (objects, lights, 4) x0, y0, x1, y1 [px]; the whole image if a shadow does not end on the
@@ -65,7 +65,7 @@ def shadow_rectangles(
                 along = turn[3 * axis] * x + turn[3 * axis + 1] * y + turn[3 * axis + 2] * z
                 corners_m[i, axis] = along + origin_m[axis]
         for j in range(len(lights.is_sun)):
-            out[k, j] = _shadow_rectangle(corners_m, lights, j, frame)
+            out[k, j] = _shadow_rectangle(corners_m, lights, j, camera)
     return out
 
 
@@ -85,7 +85,7 @@ class BeamLamps(NamedTuple):
 
 @compiled
 def beams_in_view(
-    lamps: BeamLamps, positions_m: F64, directions: F64, frame: Frame
+    lamps: BeamLamps, positions_m: F64, directions: F64, camera: SteadyCamera
 ) -> tuple[F64, I64]:
     """Return the beams that reach something above the ground that is in the image.
 
@@ -93,18 +93,18 @@ def beams_in_view(
         lamps: the lights whose beams are looked for.
         positions_m: (lights, 3) positions of all lights in the world [m].
         directions: (lights, 3) unit vectors along all cones' axes.
-        frame: frame of the camera.
+        camera: the camera.
 
     Returns:
         (n, 9) position and direction in the camera's frame, and the cone, see `BeamLamps`; and
         (n, 4) x0, y0, x1, y1 of the area that each can light [px].
     """
-    count, into = 0, frame.world_to_camera
+    count, into = 0, camera.world_to_camera
     beams, areas = np.empty((len(lamps.numbers), 9)), np.empty((len(lamps.numbers), 4), np.int64)
     for k in range(len(lamps.numbers)):
         position_m, direction = positions_m[lamps.numbers[k]], directions[lamps.numbers[k]]
         hull_m = _beam_hull(position_m, direction, axes_along(direction), lamps.slopes[k])
-        area = hull_rectangle(hull_m, frame)
+        area = hull_rectangle(hull_m, camera)
         if area == NOWHERE:
             continue
         for i in range(3):
@@ -118,11 +118,13 @@ def beams_in_view(
 
 
 @compiled
-def _shadow_rectangle(corners_m: F64, lights: ShadowLights, light: int, frame: Frame) -> Rectangle:
+def _shadow_rectangle(
+    corners_m: F64, lights: ShadowLights, light: int, camera: SteadyCamera
+) -> Rectangle:
     """Return the rectangle of one box, (8, 3), and its shadow; see `shadow_rectangles`."""
     position_m, is_sun = lights.positions_m[light], lights.is_sun[light]
     points_m, on_ground = _add_shadows(corners_m, lights.away[light], position_m, is_sun)
-    return hull_rectangle(points_m, frame) if on_ground else (0, 0, frame.width, frame.height)
+    return hull_rectangle(points_m, camera) if on_ground else (0, 0, camera.width, camera.height)
 
 
 @compiled

@@ -12,9 +12,10 @@ Bools = npt.NDArray[np.bool_]
 
 SUN_DISTANCE_M = 1e3
 """Distance at which the sun is placed: beyond anything that shades the street (assumed)."""
-SOFT_EDGE_M = 0.1
-"""Distance from a geom beyond which the soft edge of its shadow ends (assumed: ten texels of a
-street lamp's shadow map at 6 m)."""
+SOFT_EDGE_M = 0.3
+"""Distance from a geom beyond which the soft edge of its shadow ends. With 0.3 and 0.6 m, a
+pedestrian beside a wall by day has the same luminance within 0.04 % as with all geoms near the
+cylinder; with 0.1 m it differs by 1 % (measured)."""
 
 
 def shadow_casting_geoms(

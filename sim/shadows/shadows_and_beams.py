@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from sim.errors import SceneConfigError
 from sim.geometry.pinhole import Intrinsics, Pose
-from sim.geometry.rectangles import Rectangle, frame_of
+from sim.geometry.rectangles import Rectangle, steady_camera
 from sim.geometry.rigid_transform import compose_transforms, inverse_transform
 from sim.raster.shared_corners import share_corners
 from sim.raster.triangles import TriangleSoup
@@ -111,14 +111,14 @@ class AffectedAreaFinder:
             np.tan(np.radians(model.light_cutoff[self.beams].astype(np.float64))),
             np.array([_cone(model, int(k)) for k in self.beams]).reshape(-1, 3),
         )
-        self._frame = frame_of(pose, lens)
+        self._camera = steady_camera(pose, lens)
 
     def find(self, data: mujoco.MjData) -> AffectedAreas:
         """Return the areas for the poses in `data`."""
         bodies = self._roots, data.xpos, data.xmat
         return AffectedAreas(
-            shadow_rectangles(self._boxes_m, *bodies, self._lights, self._frame),
-            *beams_in_view(self._lamps, data.light_xpos, data.light_xdir, self._frame),
+            shadow_rectangles(self._boxes_m, *bodies, self._lights, self._camera),
+            *beams_in_view(self._lamps, data.light_xpos, data.light_xdir, self._camera),
         )
 
 

@@ -7,8 +7,17 @@ import cv2
 import numpy as np
 import pytest
 
-from sim import Crossing, CrossingConfig, Distractors, Lighting, LuminanceCache, preview_jpegs
+from sim import (
+    Crossing,
+    CrossingConfig,
+    Distractors,
+    Lighting,
+    LuminanceCache,
+    RelativeDirection,
+    preview_jpegs,
+)
 from sim import preview as preview_module
+from sim.distractors import Pavement
 from sim.geometry.pinhole import Pose
 from sim.geometry.rectangles import Rectangle
 from sim.preview import Preview
@@ -38,10 +47,26 @@ def test_previews_are_rendered_once_and_then_read_from_the_cache(
         preview_jpegs(Crossing(CrossingConfig()), TIMES_US)
 
 
-@pytest.mark.parametrize("lighting", [Lighting.DAY, Lighting.NIGHT])
-@pytest.mark.parametrize("shake_rms_deg", [0.0, 0.5])
-def test_an_image_does_not_depend_on_those_before(lighting: Lighting, shake_rms_deg: float) -> None:
-    distractors = Distractors(shake_rms_deg=shake_rms_deg)
+OTHERS = Distractors(
+    wind_grade=6,
+    far_vehicle=RelativeDirection.OPPOSITE,
+    pedestrian=RelativeDirection.SAME,
+    pedestrian_pavement=Pavement.NEAR,
+)
+
+
+@pytest.mark.parametrize(
+    ("lighting", "distractors"),
+    [
+        (Lighting.DAY, Distractors()),
+        (Lighting.NIGHT, Distractors()),
+        (Lighting.NIGHT, Distractors(shake_rms_deg=0.5)),
+        (Lighting.DUSK, OTHERS),
+    ],
+)
+def test_an_image_does_not_depend_on_those_before(
+    lighting: Lighting, distractors: Distractors
+) -> None:
     crossing = Crossing(CrossingConfig(lighting=lighting, distractors=distractors))
     times_us = [0, 600_000, 900_000, 0]
     with Preview(crossing) as preview:

@@ -13,6 +13,7 @@ from sim import (
     Intrinsics,
     Lighting,
     Pose,
+    Quality,
     RelativeDirection,
 )
 from sim.cache import key as luminance_key
@@ -58,6 +59,14 @@ def test_any_change_of_the_configuration_changes_the_key(
     model: Any, changed: dict[str, Any]
 ) -> None:
     assert key(model, replace(CONFIG, **changed)) != key(model)
+
+
+def test_what_is_rendered_makes_the_key_of_a_quality(model: Any) -> None:
+    config = replace(CONFIG, step_px=1.0, keyframe_px=32.0)
+    draft = key(model, replace(config, quality=Quality.DRAFT))
+    assert draft == key(model, replace(config, step_px=1.6, keyframe_px=64.0))
+    assert draft != key(model, config)
+    assert key(model, replace(config, quality=Quality.FINE)) == key(model, config)
 
 
 def test_lens_and_times_change_the_key(model: Any) -> None:

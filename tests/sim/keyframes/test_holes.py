@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim import CrossingConfig, Lighting, VehicleKind
+from sim import CrossingConfig, Distractors, Lighting, RelativeDirection, VehicleKind
 from sim.keyframes import rendering
 from sim.keyframes.holes import REACH, fill_holes
 from tests.sim.keyframes.test_rendering import keyframe_renderer
@@ -46,8 +46,20 @@ def test_nothing_is_taken_from_beyond_the_reach() -> None:
     assert (image[0, 0, 1:] == 9.0).all()
 
 
-@pytest.mark.parametrize("lighting", list(Lighting))
-def test_no_sky_shows_through_a_part(lighting: Lighting, monkeypatch: pytest.MonkeyPatch) -> None:
+FAR_VAN = Distractors(far_vehicle=RelativeDirection.SAME, far_vehicle_kind=VehicleKind.VAN)
+
+
+@pytest.mark.parametrize(
+    ("lighting", "distractors"),
+    [
+        (Lighting.DAY, Distractors()),
+        (Lighting.DUSK, Distractors()),
+        (Lighting.NIGHT, FAR_VAN),
+    ],
+)
+def test_no_sky_shows_through_a_part(
+    lighting: Lighting, distractors: Distractors, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found, left = 0, 0
 
     def counting(image: np.ndarray, label: np.ndarray) -> None:
@@ -57,9 +69,11 @@ def test_no_sky_shows_through_a_part(lighting: Lighting, monkeypatch: pytest.Mon
         left += int(((image == 0).all(axis=0) & (label >= 0)).sum())
 
     monkeypatch.setattr(rendering, "fill_holes", counting)
-    config = CrossingConfig(lighting=lighting, vehicle=VehicleKind.MOTORCYCLE)
+    vehicle = VehicleKind.MOTORCYCLE
+    config = CrossingConfig(lighting=lighting, vehicle=vehicle, distractors=distractors)
     with keyframe_renderer(config) as (scene, renderer):
         for t_us in (-200_000, -100_000, 0, 100_000, 200_000):
-            renderer.render(scene.target, t_us)
+            for obj in scene.objects:
+                renderer.render(obj, t_us)
     assert found > 0
     assert left == 0

@@ -9,7 +9,6 @@ import pytest
 from sim.config import CrossingConfig, Lighting
 from sim.distractors import Distractors, RelativeDirection
 from sim.geometry.pinhole import Intrinsics, project
-from sim.geometry.rectangles import merge_overlapping
 from sim.geometry.rigid_transform import body_poses
 from sim.keyframes.moments import Moment, Moments
 from sim.keyframes.mover_visibility import MoverRaster, split_into_parts
@@ -26,6 +25,7 @@ EVERYTHING = Distractors(
     flicker_hz=100,
 )
 STEP_US = 31_300
+SUPERSAMPLE = 2
 
 
 def seconds(t_us: int) -> float:
@@ -39,7 +39,7 @@ def moments_of(**options: Any) -> tuple[Scene, AffectedAreaFinder, Moments]:
     areas = AffectedAreaFinder(scene.model, data, scene.objects, scene.pose, LENS)
     movers = scene.soup.of_bodies([int(b) for o in scene.objects for b in o.bodies])
     parts = split_into_parts(scene.model, scene.objects)
-    raster = MoverRaster(movers, parts, scene.pose, LENS, supersample=2)
+    raster = MoverRaster(movers, parts, scene.pose, LENS, supersample=SUPERSAMPLE)
     lamps = FlickeringLamps(scene.flickering_lights, scene.flickering_materials)
     flickering = lamps if scene.flicker else None
     return scene, areas, Moments(scene, data, seconds, raster, areas, flickering)
@@ -69,8 +69,13 @@ def test_the_changed_rectangles_hold_objects_shadows_and_beams() -> None:
     for t_us in range(0, 2 * BLOCK * STEP_US, 5 * STEP_US):
         now = moments.at(t_us)
         scene.place(data, seconds(t_us))
-        affected = areas.find(data).rectangles
-        assert now.changed == merge_overlapping(now.drawn + affected)
+        corners = now.triangles[..., :2].reshape(-1, 2) / SUPERSAMPLE
+        for x0, y0, x1, y1 in [*now.drawn, *areas.find(data).rectangles]:
+            holders = [r for r in now.changed if r[0] <= x0 and r[1] <= y0 and x1 <= r[2]]
+            assert sum(y1 <= r[3] for r in holders) == 1
+        inside = (corners >= 0).all(axis=1) & (corners < (LENS.width, LENS.height)).all(axis=1)
+        for x, y in corners[inside][::20]:
+            assert any(x0 <= x <= x1 and y0 <= y <= y1 for x0, y0, x1, y1 in now.changed)
         np.testing.assert_array_equal(now.poses, body_poses(data))
         points = data.xpos[scene.target.bodies]
         pixels, depth = project(points, scene.pose, LENS)

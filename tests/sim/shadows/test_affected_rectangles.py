@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from sim.geometry.pinhole import Intrinsics, Pose, project
-from sim.geometry.rectangles import NOWHERE, frame_of, image_rectangle
+from sim.geometry.rectangles import NOWHERE, image_rectangle, steady_camera
 from sim.geometry.rigid_transform import axes_along
 from sim.shadows.affected_rectangles import (
     BEAM_REACH_M,
@@ -22,7 +22,7 @@ I64 = npt.NDArray[np.int64]
 
 LENS = Intrinsics()
 POSE = Pose(np.array([0.0, -7.0, 1.2]))
-FRAME = frame_of(POSE, LENS)
+FRAME = steady_camera(POSE, LENS)
 TURN = POSE.world_to_camera[:, :3]
 
 

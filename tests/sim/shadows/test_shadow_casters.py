@@ -4,12 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim import CrossingConfig, Lighting
+from sim import CrossingConfig, Distractors, Lighting, RelativeDirection
 from sim.geometry.pinhole import Intrinsics
 from sim.render.filament import FilamentRenderer
 from sim.render.luminance_model import luminance_model
 from sim.scene.moving_objects import box_corners_m
 from sim.scene.scene import build_scene
+from sim.shadows import shadow_casters
 from sim.shadows.shadow_casters import shadow_casting_geoms
 
 WORLD = """
@@ -51,6 +52,31 @@ def test_geoms_between_an_object_and_a_light_may_shade_it(
     mujoco.mj_camlight(model, data)
     found = shadow_casting_geoms(model, data, np.arange(model.ngeom), box_corners_m(BOX))
     assert {model.geom(int(k)).name for k in found} == wanted
+
+
+@pytest.mark.parametrize("t_s", [-0.7, -0.2])
+def test_soft_edges_of_the_suns_shadows_do_not_change(
+    t_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The pedestrian walks beside a wall that nearly shades it."""
+    scene = build_scene(CrossingConfig(distractors=Distractors(pedestrian=RelativeDirection.SAME)))
+    model = luminance_model(scene.model)
+    data = mujoco.MjData(model)
+    scene.place(data, t_s)
+    (pedestrian,) = (obj for obj in scene.objects if obj.name == "pedestrian")
+    others = np.setdiff1d(np.arange(model.ngeom), pedestrian.geoms)
+    images, rectangle = [], (0, 90, 346, 170)
+    with FilamentRenderer(model, Intrinsics()) as renderer:
+        renderer.update(data)
+        seen = np.isin(renderer.segmentation(scene.pose, rectangle), pedestrian.geoms)
+        for edge_m in (shadow_casters.SOFT_EDGE_M, 2.0):
+            monkeypatch.setattr(shadow_casters, "SOFT_EDGE_M", edge_m)
+            corners = pedestrian.corners_m(data)
+            casters = shadow_casting_geoms(model, data, others, corners)
+            with renderer.hidden(np.setdiff1d(others, casters)):
+                images.append(renderer.subpixel_luminance(scene.pose, rectangle, 1)[seen])
+    assert seen.sum() > 50
+    assert np.abs(images[0] - images[1]).mean() < 1e-3 * images[1].mean()
 
 
 def test_hiding_all_other_geoms_does_not_change_the_vehicle() -> None:
