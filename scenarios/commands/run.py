@@ -128,9 +128,7 @@ class Run:
     keyframe_px: float = CrossingConfig.keyframe_px
     """Largest motion of an object in the image between two rendered keyframes, 1 to 128 [px]."""
     quality: Literal["draft", "full", "fine"] = "full"
-    """How finely time is sampled: draft (fewer samples, two thirds of the CPU time to render), full
-    (as --step-px says), or fine (also interpolates between samples, for more exact times of events;
-    the sensor then processes twice as many samples)."""
+    """draft renders in two thirds of the CPU time; fine makes the times of events more exact."""
     recording: bool = True
     """Write the Rerun recording; --no-recording saves most of the folder's size and some time."""
     event_labels: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
