@@ -33,6 +33,10 @@ DRAFT_STEP, DRAFT_KEYFRAME = 1.6, 2.0
 """Factors of `step_px` and `keyframe_px` in a draft. `python -m tools.convergence_table` measures
 what they cost."""
 
+MAX_KEYFRAME_PX = 64.0
+"""Largest distance between keyframes [px]. With 128, surfaces that no keyframe shows are black in
+some samples (measured)."""
+
 DEFAULT_DISTANCE_M = {Lighting.DAY: 6.89, Lighting.DUSK: 6.89, Lighting.NIGHT: 7.79}
 """Default distances [m]. At these, 30, 40, 50 and 60 km/h give the paper's angular velocities by
 day and by night. Dusk, which is not in the paper, has the same distance as day."""
@@ -114,6 +118,13 @@ class CrossingConfig:
             object.__setattr__(self, name, value)
         check_ranges(self, RANGES, SceneConfigError)
         self._check_pedestrian()
+        if self.drawn_keyframe_px > MAX_KEYFRAME_PX:
+            raise SceneConfigError(
+                f"keyframe_px is {self.keyframe_px!r} in a draft, whose keyframes are "
+                f"{DRAFT_KEYFRAME:g} times as far apart. Allowed is 1 to "
+                f"{MAX_KEYFRAME_PX / DRAFT_KEYFRAME:g} px in a draft. Choose a smaller distance, "
+                "or full quality."
+            )
 
     def _check_pedestrian(self) -> None:
         near = self.distractors.pedestrian_pavement is Pavement.NEAR
@@ -190,7 +201,7 @@ RANGES: dict[str, Range] = {
     "step_px": Range(0.05, 8.0, "px"),
     "max_step_ms": Range(0.1, 20.0, "ms"),
     "supersample": Range(1, 8),
-    "keyframe_px": Range(1.0, 128.0, "px"),
+    "keyframe_px": Range(1.0, MAX_KEYFRAME_PX, "px"),
 }
 
 

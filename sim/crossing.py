@@ -153,7 +153,7 @@ class Crossing:
             SceneConfigError: the times are not strictly increasing, or there are none.
         """
         times = self.times_us() if times_us is None else list(times_us)
-        if not times or any(late <= early for early, late in itertools.pairwise([-1, *times])):
+        if not times or not all(early < late for early, late in itertools.pairwise([-1, *times])):
             raise SceneConfigError(
                 f"times_us holds {len(times)} times that are not strictly increasing from 0. "
                 "Allowed is at least one time of 0 or more, each later than the previous one. "

@@ -126,9 +126,9 @@ class Run:
     supersample: int = CrossingConfig.supersample
     """Sub-pixels per pixel along each axis that are rendered, 1 to 8."""
     keyframe_px: float = CrossingConfig.keyframe_px
-    """Largest motion of an object in the image between two rendered keyframes, 1 to 128 [px]."""
+    """Largest motion of an object in the image between two rendered keyframes, 1 to 64 [px]."""
     quality: Literal["draft", "full", "fine"] = "full"
-    """draft renders in two thirds of the CPU time; fine makes the times of events more exact."""
+    """draft has fewer samples, for a first look; in fine quality, events have more exact times."""
     recording: bool = True
     """Write the Rerun recording; --no-recording saves most of the folder's size and some time."""
     event_labels: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

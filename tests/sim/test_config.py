@@ -26,6 +26,7 @@ from sim.config import DEFAULT_DISTANCE_M, Lighting
         ("supersample", 2.5),
         ("omega_rad_s", "fast"),
         ("step_px", True),
+        ("keyframe_px", 128.0),
     ],
 )
 def test_a_message_names_value_and_range(field: str, value: Any) -> None:
@@ -60,3 +61,9 @@ def test_what_the_lighting_gives_follows_the_lighting() -> None:
     assert night.illuminance == 10.0
     assert night.resolved()["distance_m"] == 7.79
     assert replace(CrossingConfig(distance_m=5.0), lighting=Lighting.NIGHT).distance == 5.0
+
+
+def test_a_draft_doubles_the_distance_of_keyframes() -> None:
+    assert CrossingConfig(quality="draft").drawn_keyframe_px == 64.0  # type: ignore[arg-type]
+    with pytest.raises(SceneConfigError, match=r"keyframe_px is 64.0 in a draft.*1 to 32 px"):
+        CrossingConfig(quality="draft", keyframe_px=64.0)  # type: ignore[arg-type]

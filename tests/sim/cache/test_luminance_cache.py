@@ -369,7 +369,7 @@ class NoRenderer:
 def test_a_crossing_from_the_cache_equals_the_rendered_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lighting: Lighting
 ) -> None:
-    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=128.0)
+    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=64.0)
 
     def crossing_samples(cache: LuminanceCache | None) -> list[Any]:
         crossing = Crossing(config, cache=cache)
@@ -394,7 +394,7 @@ def test_a_crossing_from_the_cache_equals_the_rendered_one(
 def test_a_crossing_that_is_continued_equals_the_whole_one(
     tmp_path: Path, lighting: Lighting
 ) -> None:
-    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=128.0)
+    config = CrossingConfig(lighting=lighting, step_px=8.0, supersample=1, keyframe_px=64.0)
     crossing = Crossing(config, cache=cache(tmp_path))
     times_us = crossing.times_us()[::12]
     for taken in (1, len(times_us) // 2):
