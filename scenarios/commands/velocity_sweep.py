@@ -47,7 +47,7 @@ class VelocitySweep:
 
     GROUPS: ClassVar = {
         "sensor": ("seed", "seeds"),
-        "quality": ("step_px", "supersample"),
+        "rendering": ("step_px", "supersample"),
         "cache": (),
     }
 

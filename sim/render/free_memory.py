@@ -26,7 +26,8 @@ def return_large_blocks() -> bool:
     """Make the C library return large freed blocks at once, in this process from now on.
 
     Threads that start from now on share a heap, instead of having one each with free blocks of its
-    own: the peak of `flybench run` at night falls from 902 to 865 MB (measured).
+    own: the peak of `flybench run` at night fell from 902 to 865 MB (measured once; four later
+    runs took 880 to 940 MB).
 
     Returns:
         True if the C library supports this; without glibc, nothing changes.
